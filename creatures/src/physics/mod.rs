@@ -1,0 +1,1 @@
+//! The physics engines, each where it belongs.

@@ -1,0 +1,81 @@
+//! What is asked next. A search is asked for a generation and told its outcomes; it knows nothing of
+//! workers, SQL or gRPC. Pure: no I/O, no async, no clock, no thread, no hash order.
+
+pub mod place;
+
+pub use place::Place;
+
+use creatures::Outcome;
+use serde::{Deserialize, Serialize};
+
+/// One published algorithm at work on one stage: ask / tell.
+///
+/// The driver alternates [`Search::ask`] and [`Search::tell`], starting with `ask`. The order of
+/// individuals is the contract: outcome `i` belongs to individual `i`.
+pub trait Search: Send {
+    /// The individuals of the next generation in order of index; empty when the search is over.
+    ///
+    /// A pure function of the search's state: a search restored from its checkpoint asks for the same.
+    fn ask(&mut self) -> Vec<Individual>;
+
+    /// Takes the outcomes of the generation last asked for, in order of index, and says what it made of
+    /// them. An individual that the service had to set aside comes as `None` and counts as fitness 0.
+    fn tell(&mut self, outcomes: &[Option<Outcome>]) -> Record;
+
+    /// All that the search needs to go on from here: taken after `tell` (or before the first `ask`), given
+    /// back to the registry's `restore`.
+    fn checkpoint(&self) -> Vec<u8>;
+}
+
+/// One individual as a search asks for it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Individual {
+    /// Canonical bytes.
+    pub genotype: Vec<u8>,
+    /// Empty for founders.
+    pub parents: Vec<Parent>,
+    /// How it was made: the operators in order of application, joined by `+` (`crossover+tag`).
+    pub operator: String,
+    /// What people ask about (regulatory proteins, hidden nodes, species): a flat JSON object.
+    pub traits: serde_json::Value,
+    /// Equal genotype at an evaluated place, whose outcome it takes over without an evaluation. Either in
+    /// the previous generation or earlier in this one.
+    pub inherits: Option<Place>,
+}
+
+/// A parent and the part it played.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Parent {
+    /// Where the parent stands.
+    pub place: Place,
+    /// `first` (gives the head, or the structure), `second`, or `only`.
+    pub role: String,
+}
+
+/// What a search has to say of a generation it was told.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Record {
+    /// Species, for searches that have them.
+    pub species: Vec<Species>,
+    /// What else belongs in the generation's row: a flat JSON object.
+    pub notes: serde_json::Map<String, serde_json::Value>,
+}
+
+/// One species in one generation (walker G-45).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Species {
+    /// Its number in the run; never reused.
+    pub id: u32,
+    /// Members.
+    pub size: u32,
+    /// Best raw fitness of this generation.
+    pub best: f64,
+    /// Its shared fitness: the mean raw fitness.
+    pub share: f64,
+    /// Offspring granted in the next generation.
+    pub quota: u32,
+    /// The individual that stood for it when members were sought.
+    pub representative: Place,
+    /// Generations since its best fitness last rose.
+    pub stagnant: u32,
+}
