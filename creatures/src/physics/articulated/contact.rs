@@ -86,9 +86,9 @@ pub(super) enum Hold {
     Open,
     /// Normal impulse, and friction of `drag` kg times the tangential velocity.
     Drag { drag: f64 },
-    /// Normal impulse, and friction of a known size along the tangents: Newton's linearisation about a
-    /// sliding direction and speed, which resists turning and leaves the speed free.
-    Slide { friction: f64, direction: [f64; 2], turning: f64 },
+    /// Normal impulse, and friction that follows it, against a sliding direction along the tangents:
+    /// Newton's linearisation about that direction, which leaves the speed free and resists turning.
+    Slide { direction: [f64; 2], turning: f64 },
 }
 
 /// A point at or near the ground.
@@ -97,11 +97,14 @@ pub(super) struct Contact {
     pub(super) body: usize,
     /// Its place among all contact points.
     pub(super) point: usize,
+    /// Coulomb's coefficient.
+    coulomb: f64,
+    /// The one that is used: a little less, so that a direction found to first order stays in the cone.
     friction: f64,
     /// Speed along the normal at which the ground lets go, m/s.
-    release: f64,
+    pub(super) release: f64,
     /// Rows of the normal and the two tangents: twist to velocity of the point.
-    rows: [Six; 3],
+    pub(super) rows: [Six; 3],
     pub(super) hold: Hold,
     /// Solved normal impulse, N·s.
     pub(super) pressure: f64,
@@ -117,7 +120,7 @@ impl Contact {
         footing: &Footing,
         body: usize,
         point: usize,
-        friction: f64,
+        coulomb: f64,
         at: DVec3,
         gap: f64,
         twist: &Six,
@@ -129,7 +132,8 @@ impl Contact {
         let mut contact = Contact {
             body,
             point,
-            friction,
+            coulomb,
+            friction: 0.5 * (1.0 + FRICTION_SHARE) * coulomb,
             release,
             rows,
             hold: Hold::Open,
@@ -147,23 +151,24 @@ impl Contact {
     /// Adds the contact to its body's inertia and momentum.
     pub(super) fn load(&self, footing: &Footing, inertia: &mut Inertia, momentum: &mut Six) {
         let [normal, first, second] = &self.rows;
+        let mut push = *normal;
         match self.hold {
             Hold::Open => return,
             Hold::Drag { drag } => {
-                inertia.add_outer(first, drag);
-                inertia.add_outer(second, drag);
+                inertia.add_outer(first, first, drag);
+                inertia.add_outer(second, second, drag);
             }
-            Hold::Slide { friction, direction: [x, y], turning } => {
+            Hold::Slide { direction: [x, y], turning } => {
                 let mut across = Six::ZERO;
                 across.add_scaled(first, -y);
                 across.add_scaled(second, x);
-                inertia.add_outer(&across, turning);
-                momentum.add_scaled(first, -friction * x);
-                momentum.add_scaled(second, -friction * y);
+                inertia.add_outer(&across, &across, turning);
+                push.add_scaled(first, -self.friction * x);
+                push.add_scaled(second, -self.friction * y);
             }
         }
-        inertia.add_outer(normal, footing.gain);
-        momentum.add_scaled(normal, footing.gain * self.release);
+        inertia.add_outer(&push, normal, footing.gain);
+        momentum.add_scaled(&push, footing.gain * self.release);
     }
 
     /// Reads impulses off a solved twist and says what the contact should have done; the same as
@@ -181,13 +186,14 @@ impl Contact {
                 return self.grip(footing, pressure, slip, patient);
             }
             Hold::Drag { drag } => (pressure, [-drag * slip[0], -drag * slip[1]]),
-            Hold::Slide { friction, direction: [x, y], turning } => {
+            Hold::Slide { direction: [x, y], turning } => {
                 let across = turning * (x * slip[1] - y * slip[0]);
-                (pressure, [-friction * x + across * y, -friction * y - across * x])
+                let along = self.friction * pressure;
+                (pressure, [-along * x + across * y, -along * y - across * x])
             }
         };
         (self.pressure, self.shear) = (pressure, shear);
-        let cone = self.friction * pressure;
+        let cone = self.coulomb * pressure;
         let share = length(shear);
         let holds = match self.hold {
             Hold::Open => true,
@@ -206,7 +212,7 @@ impl Contact {
 
     /// How a contact under a pressure holds at a tangential velocity.
     fn grip(&self, footing: &Footing, pressure: f64, slip: [f64; 2], patient: bool) -> Hold {
-        let friction = 0.5 * (1.0 + FRICTION_SHARE) * self.friction * pressure;
+        let friction = self.friction * pressure;
         let speed = length(slip);
         let backwards = match self.hold {
             Hold::Slide { direction: [x, y], .. } => x * slip[0] + y * slip[1] <= 0.0,
@@ -215,15 +221,28 @@ impl Contact {
         if speed <= footing.slip_speed || backwards {
             Hold::Drag { drag: friction / footing.slip_speed }
         } else if patient {
-            Hold::Drag { drag: friction / speed }
+            let drag = friction / speed;
+            Hold::Drag {
+                drag: if let Hold::Drag { drag: last } = self.hold { 0.5 * (drag + last) } else { drag },
+            }
         } else {
             let direction = [slip[0] / speed, slip[1] / speed];
-            Hold::Slide { friction, direction, turning: friction / speed }
+            Hold::Slide { direction, turning: friction / speed }
         }
     }
 
+    /// Turns sliding friction, which follows the normal impulse, into drag, which does not; returns whether it
+    /// was sliding.
+    pub(super) fn let_go(&mut self) -> bool {
+        if let Hold::Slide { turning, .. } = self.hold {
+            self.hold = Hold::Drag { drag: turning };
+            return true;
+        }
+        false
+    }
+
     /// Velocity along the tangents, m/s.
-    fn slip(&self, twist: &Six) -> [f64; 2] {
+    pub(super) fn slip(&self, twist: &Six) -> [f64; 2] {
         [self.rows[1].dot(twist), self.rows[2].dot(twist)]
     }
 }

@@ -50,6 +50,8 @@ pub(super) struct Degree {
     pub(super) impulse: f64,
     /// Of the elimination: the momentum that a unit rate needs.
     pub(super) momentum: Six,
+    /// Of the elimination: the impulse along the direction that a unit of each component needs.
+    pub(super) need: Six,
     /// Of the elimination: one over the inertia along the direction.
     pub(super) mobility: f64,
     /// Of the elimination: the rate if the parent stood still.
@@ -110,6 +112,7 @@ impl Link {
                 rate: 0.0,
                 impulse: 0.0,
                 momentum: Six::ZERO,
+                need: Six::ZERO,
                 mobility: 0.0,
                 drift: 0.0,
             }),

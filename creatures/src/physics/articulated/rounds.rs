@@ -22,12 +22,19 @@ const NEWTON_ROUNDS: u32 = 8;
 impl World {
     /// Finds the velocities at the step's end. Returns the rounds it took.
     pub(super) fn settle(&mut self, footing: Option<&Footing>) -> Result<u32, Singular> {
-        let (mut fewest, mut stalled) = (usize::MAX, 0);
+        let (mut fewest, mut stalled, mut patient) = (usize::MAX, 0, false);
         for round in 1..=ROUNDS_MAX {
-            self.load(footing);
-            self.eliminate()?;
-            self.substitute()?;
-            let wrong = self.judge(footing, stalled >= STALL_MAX, round > NEWTON_ROUNDS);
+            if let Err(fault) = self.solve(footing) {
+                // Friction that follows the normal impulse can wedge a body, and then has no solution to
+                // first order. Friction of the round before always has one.
+                if patient || !self.contacts.iter_mut().fold(false, |any, contact| any | contact.let_go()) {
+                    return Err(fault);
+                }
+                patient = true;
+                continue;
+            }
+            patient |= round > NEWTON_ROUNDS;
+            let wrong = self.judge(footing, stalled >= STALL_MAX, patient);
             if wrong == 0 {
                 return Ok(round);
             }
@@ -37,10 +44,15 @@ impl World {
                 stalled += 1;
             }
         }
+        self.solve(footing)?;
+        Ok(ROUNDS_MAX + 1)
+    }
+
+    /// One round: the velocities, if every piece is right.
+    fn solve(&mut self, footing: Option<&Footing>) -> Result<(), Singular> {
         self.load(footing);
         self.eliminate()?;
-        self.substitute()?;
-        Ok(ROUNDS_MAX + 1)
+        self.substitute()
     }
 
     /// Reads the impulses of a round and switches what was wrong, or only the last of it; returns how many

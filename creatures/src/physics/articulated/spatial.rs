@@ -1,4 +1,4 @@
-//! Six-vectors and symmetric 6×6 matrices: the algebra of rigid bodies that share one reference point.
+//! Six-vectors and 6×6 matrices: the algebra of rigid bodies that share one reference point.
 //! It knows nothing of bodies, joints or contacts.
 //!
 //! Every twist and every wrench of a step is taken at the *same* point of the world and in world axes, so
@@ -43,11 +43,8 @@ impl Six {
     }
 }
 
-/// A symmetric 6×6 matrix that maps a twist to an impulse: the inertia of a body, or of everything that
-/// hangs on it.
-///
-/// Stored whole: the lower half is redundant, but straight columns keep two lanes of a baseline CPU busy
-/// where a packed triangle keeps one.
+/// A 6×6 matrix that maps a twist to an impulse, by columns: the inertia of a body, or of everything that
+/// hangs on it. Symmetric, except where sliding friction follows the normal impulse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Inertia(pub(super) [[f64; 6]; 6]);
 
@@ -85,6 +82,11 @@ impl Inertia {
         Six(sum)
     }
 
+    /// The transpose times a vector.
+    pub(super) fn transposed_times(&self, v: &Six) -> Six {
+        Six(self.0.map(|column| Six(column).dot(v)))
+    }
+
     pub(super) fn add(&mut self, other: &Inertia) {
         for (mine, theirs) in self.0.iter_mut().zip(&other.0) {
             for (a, b) in mine.iter_mut().zip(theirs) {
@@ -93,9 +95,9 @@ impl Inertia {
         }
     }
 
-    /// `self += scale · u uᵀ`.
-    pub(super) fn add_outer(&mut self, u: &Six, scale: f64) {
-        for (column, x) in self.0.iter_mut().zip(u.0) {
+    /// `self += scale · u wᵀ`.
+    pub(super) fn add_outer(&mut self, u: &Six, w: &Six, scale: f64) {
+        for (column, x) in self.0.iter_mut().zip(w.0) {
             let factor = x * scale;
             for (entry, y) in column.iter_mut().zip(u.0) {
                 *entry += y * factor;
@@ -103,7 +105,8 @@ impl Inertia {
         }
     }
 
-    /// The twist that an impulse gives: `self⁻¹ · impulse`, by LDLᵀ; none if a pivot is not positive.
+    /// The twist that an impulse gives: `self⁻¹ · impulse`, by LU without exchanges; none if a pivot is not
+    /// positive.
     #[allow(clippy::needless_range_loop, reason = "the indices are those of the textbook's triangles")]
     pub(super) fn solve(&self, impulse: &Six) -> Option<Six> {
         let mut a = self.0;
@@ -116,17 +119,20 @@ impl Inertia {
             }
             inverse[k] = 1.0 / pivot;
             for j in k + 1..6 {
-                let factor = a[k][j] * inverse[k];
-                for i in j..6 {
+                let factor = a[j][k] * inverse[k];
+                for i in k + 1..6 {
                     a[j][i] -= a[k][i] * factor;
                 }
-                x[j] -= x[k] * factor;
+            }
+            let factor = x[k] * inverse[k];
+            for i in k + 1..6 {
+                x[i] -= a[k][i] * factor;
             }
         }
         for k in (0..6).rev() {
             let mut rest = x[k];
-            for i in k + 1..6 {
-                rest -= a[k][i] * x[i];
+            for j in k + 1..6 {
+                rest -= a[j][k] * x[j];
             }
             x[k] = rest * inverse[k];
         }
@@ -152,11 +158,12 @@ mod tests {
     #[test]
     fn solving_undoes_multiplying_and_refuses_what_is_not_positive() {
         let mut a = Inertia::rigid(2.0, DMat3::from_diagonal(DVec3::ONE), DVec3::new(1.0, 2.0, 3.0));
-        a.add_outer(&Six([1.0, -2.0, 0.5, 3.0, 0.0, 1.0]), 0.7);
+        a.add_outer(&Six([1.0, -2.0, 0.5, 3.0, 0.0, 1.0]), &Six([1.5, -2.0, 0.5, 3.0, 0.2, 1.0]), 0.7);
         let x = Six([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         let back = a.solve(&a.times(&x)).unwrap();
         assert!(back.0.iter().zip(x.0).all(|(a, b)| (a - b).abs() < 1e-12));
-        a.add_outer(&Six([1.0, 0.0, 0.0, 0.0, 0.0, 0.0]), -100.0);
+        let x_axis = Six([1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        a.add_outer(&x_axis, &x_axis, -100.0);
         assert_eq!(a.solve(&x), None);
         assert_eq!(Inertia([[f64::NAN; 6]; 6]).solve(&x), None);
     }

@@ -54,9 +54,10 @@ impl World {
                 if pivot.is_nan() || pivot <= 0.0 {
                     return Err(Singular { body: child });
                 }
+                dof.need = inertia.transposed_times(&dof.direction);
                 dof.mobility = 1.0 / pivot;
                 dof.drift = (impulse + dof.direction.dot(&momentum)) * dof.mobility;
-                inertia.add_outer(&dof.momentum, -dof.mobility);
+                inertia.add_outer(&dof.momentum, &dof.need, -dof.mobility);
                 momentum.add_scaled(&dof.momentum, -dof.drift);
             }
             let parent = &mut parents[link.parent];
@@ -79,7 +80,7 @@ impl World {
             let mut twist = self.bodies[link.parent].twist;
             for dof in link.dofs_mut().iter_mut().rev() {
                 if let Demand::Free(_) = dof.staircase.demand(dof.tread) {
-                    dof.rate = dof.drift - dof.mobility * dof.momentum.dot(&twist);
+                    dof.rate = dof.drift - dof.mobility * dof.need.dot(&twist);
                     twist.add_scaled(&dof.direction, dof.rate);
                 }
             }
