@@ -32,7 +32,9 @@ fn main() {
             let speed = speed.filter(|(name, _)| name == "speed_max").fold(0.0, |s, (_, v)| f64::max(s, *v));
             let aborted = outcomes.iter().filter(|outcome| !outcome.note.is_empty()).count();
             let mut hasher = blake3::Hasher::new();
-            outcomes.iter().for_each(|outcome| drop(hasher.update(&outcome.digest())));
+            for outcome in &outcomes {
+                hasher.update(&outcome.digest());
+            }
             let hash = &hasher.finalize().to_hex()[..8];
             let body = body.name();
             println!(
