@@ -150,7 +150,12 @@ fn contacts_push_only_and_friction_stays_in_the_cone() {
                 let [x, y] = contact.shear;
                 let share = (x * x + y * y).sqrt();
                 let coefficient = creature.world.bodies[contact.body].friction;
-                assert!(contact.pressure >= 0.0, "{} pulls at step {step}", gait.name);
+                assert!(
+                    contact.pressure >= 0.0,
+                    "{} pulls at step {step}: {contact:?} rounds {}",
+                    gait.name,
+                    creature.world.rounds()
+                );
                 assert!(
                     share <= coefficient * contact.pressure * (1.0 + 1e-12),
                     "{}: {share} over {} at step {step}, {} rounds",
