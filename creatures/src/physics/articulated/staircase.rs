@@ -105,6 +105,13 @@ impl Staircase {
         }
     }
 
+    /// The impulse nearest to a given one that the law allows at any rate at all.
+    pub(super) fn clamp(&self, impulse: f64) -> f64 {
+        let most = if self.low > f64::NEG_INFINITY { f64::INFINITY } else { self.bound };
+        let least = if self.high < f64::INFINITY { f64::NEG_INFINITY } else { -self.bound };
+        impulse.max(least).min(most)
+    }
+
     /// The place where the solved rate and impulse belong; the same place if they obey the law there.
     pub(super) fn judge(&self, tread: Tread, rate: f64, impulse: f64) -> Tread {
         let Staircase { low, rate: wanted, high, bound } = *self;
