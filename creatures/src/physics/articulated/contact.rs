@@ -15,7 +15,7 @@ use super::spatial::{Inertia, Six};
 use glam::DVec3;
 
 /// Friction of an accepted step lies between this share and the whole of Coulomb's cone.
-const FRICTION_SHARE: f64 = 0.98;
+const FRICTION_SHARE: f64 = 0.99;
 /// A point that leaves the ground by less than this, m/s, need not switch.
 const RATE_SLACK: f64 = 1e-10;
 
@@ -268,7 +268,7 @@ impl Contact {
     /// Cuts the impulses that its law gives at a twist to a push within the cone, and takes them as given.
     pub(super) fn clamp(&mut self, footing: &Footing, twist: &Six) {
         self.judge(footing, twist, Patience::Drag);
-        self.pressure = self.pressure.max(0.0);
+        self.pressure = if self.pressure > 0.0 { self.pressure } else { 0.0 };
         let (share, cone) = (length(self.shear), self.coulomb * self.pressure);
         if share > cone {
             self.shear = self.shear.map(|x| x * (cone / share));
@@ -282,8 +282,9 @@ impl Contact {
     pub(super) fn wedge(&mut self, footing: &Footing, twist: &Six) -> bool {
         let Hold::Slide { follow, .. } = self.hold else { return false };
         if follow > 0.0 {
-            let pressure = (footing.gain * (self.release - self.rows[0].dot(twist))).max(0.0);
-            self.hold = Hold::Drag { drag: self.friction * pressure / footing.slip_speed };
+            let pressure = footing.gain * (self.release - self.rows[0].dot(twist));
+            let drag = if pressure > 0.0 { self.friction * pressure / footing.slip_speed } else { 0.0 };
+            self.hold = Hold::Drag { drag };
         }
         follow > 0.0
     }
