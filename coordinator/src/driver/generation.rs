@@ -60,7 +60,7 @@ impl Generation {
                 .filter(|place| place.generation < number)
                 .and_then(|place| previous?.known(place.index as usize).cloned().zip(previous?.id(place.index as usize)));
             if let (None, Some((known, from))) = (&generation.settled[index], from_previous) {
-                inherited.push(Inherited { heir: generation.first.plus(index), from });
+                inherited.push(Inherited { heir: generation.first.at(index as u32), from });
                 inherited.extend(generation.settle(index, known));
             } else if let Some(known) = generation.settled[index].clone() {
                 // What was on disk may have heirs that were not.
@@ -84,7 +84,7 @@ impl Generation {
         let mut inherited = Vec::new();
         for heir in self.heirs[index].clone() {
             if self.settled[heir].is_none() {
-                inherited.push(Inherited { heir: self.first.plus(heir), from: self.first.plus(index) });
+                inherited.push(Inherited { heir: self.first.at(heir as u32), from: self.first.at(index as u32) });
                 inherited.extend(self.settle(heir, known.clone()));
             }
         }
@@ -110,12 +110,13 @@ impl Generation {
 
     /// The index of an individual of this generation.
     pub(super) fn index(&self, id: IndividualId) -> Option<usize> {
-        id.since(self.first).filter(|&index| index < self.settled.len())
+        let index = id.0.checked_sub(self.first.0)?;
+        usize::try_from(index).ok().filter(|&index| index < self.settled.len())
     }
 
     /// The id at an index.
     pub(super) fn id(&self, index: usize) -> Option<IndividualId> {
-        (index < self.settled.len()).then(|| self.first.plus(index))
+        (index < self.settled.len()).then(|| self.first.at(index as u32))
     }
 
     /// The id of its first individual.
@@ -150,7 +151,7 @@ impl Generation {
                 && outcome.status == Status::Completed
                 && best.is_none_or(|(_, fitness)| outcome.fitness > fitness)
             {
-                best = Some((self.first.plus(index), outcome.fitness));
+                best = Some((self.first.at(index as u32), outcome.fitness));
             }
         }
         best
