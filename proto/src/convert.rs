@@ -190,47 +190,54 @@ impl From<Outcome> for v1::Outcome {
     }
 }
 
-/// Fails for an unknown status, for a completed outcome whose fitness is not finite and any other whose
-/// fitness is not 0, and beyond the size limits.
+/// Fails for an unknown status and a missing number, and where the outcome is not [`admissible`].
 impl TryFrom<v1::Outcome> for Outcome {
     type Error = ConvertError;
 
     fn try_from(outcome: v1::Outcome) -> Result<Self, ConvertError> {
         let status = v1::Status::try_from(outcome.status)
             .map_err(|_| ConvertError::Unknown { field: "status".to_owned(), found: outcome.status })?;
-        let status = Status::try_from(status)?;
-        let fitness = outcome.fitness.ok_or_else(|| missing("fitness"))?;
-        match status {
-            Status::Completed if !fitness.is_finite() => {
-                return Err(number("fitness", fitness, "finite in a completed outcome"));
-            }
-            Status::Culled | Status::Aborted(_) if fitness != 0.0 => {
-                return Err(number("fitness", fitness, "0 unless completed"));
-            }
-            _ => {}
-        }
-        within_size("note", outcome.note.len(), NOTE_SIZE_MAX)?;
-        within_size("measures", outcome.measures.len(), MEASURES_MAX)?;
-        let measures = outcome.measures.into_iter().enumerate().map(|(index, measure)| {
-            measure_of(measure).map_err(|error| error.within(&format!("measures[{index}]")))
-        });
-        Ok(Outcome {
-            status,
-            fitness,
+        let measures =
+            outcome.measures.into_iter().enumerate().map(|(index, v1::Measure { name, value })| {
+                value.map(|value| (name, value)).ok_or_else(|| missing(&format!("measures[{index}].value")))
+            });
+        let interim = outcome.interim.map(Interim::try_from).transpose();
+        let outcome = Outcome {
+            status: status.try_into()?,
+            fitness: outcome.fitness.ok_or_else(|| missing("fitness"))?,
             steps: outcome.steps,
             measures: measures.collect::<Result<_, _>>()?,
-            interim: outcome
-                .interim
-                .map(|interim| Interim::try_from(interim).map_err(|error| error.within("interim")))
-                .transpose()?,
+            interim: interim.map_err(|error| error.within("interim"))?,
             note: outcome.note,
-        })
+        };
+        admissible(&outcome)?;
+        Ok(outcome)
     }
 }
 
-fn measure_of(v1::Measure { name, value }: v1::Measure) -> Result<(String, f64), ConvertError> {
-    within_size("name", name.len(), MEASURE_NAME_SIZE_MAX)?;
-    Ok((name, value.ok_or_else(|| missing("value"))?))
+/// Whether an outcome may travel: a completed one has a finite fitness, any other the fitness 0, and its
+/// texts and measures are within their limits. A worker asks before it sends, a coordinator gets no other.
+///
+/// # Errors
+/// The field, as [`Outcome::try_from`] would name it.
+pub fn admissible(outcome: &Outcome) -> Result<(), ConvertError> {
+    let fitness = outcome.fitness;
+    match outcome.status {
+        Status::Completed if !fitness.is_finite() => {
+            return Err(number("fitness", fitness, "finite in a completed outcome"));
+        }
+        Status::Culled | Status::Aborted(_) if fitness != 0.0 => {
+            return Err(number("fitness", fitness, "0 unless completed"));
+        }
+        _ => {}
+    }
+    within_size("note", outcome.note.len(), NOTE_SIZE_MAX)?;
+    within_size("measures", outcome.measures.len(), MEASURES_MAX)?;
+    for (index, (name, _)) in outcome.measures.iter().enumerate() {
+        within_size("name", name.len(), MEASURE_NAME_SIZE_MAX)
+            .map_err(|error| error.within(&format!("measures[{index}]")))?;
+    }
+    Ok(())
 }
 
 /// A task's name on the wire: the first 16 bytes of BLAKE3 over its system, version and spec.

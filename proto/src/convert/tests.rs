@@ -95,7 +95,7 @@ fn a_bad_outcome_is_refused_by_the_name_of_its_field() {
     assert_eq!(refused(v1::Outcome { measures, ..completed() }), "`measures[0].value` is missing");
     let note = "x".repeat(NOTE_SIZE_MAX + 1);
     assert_eq!(refused(v1::Outcome { note, ..completed() }), "`note` has the size 4097, the limit is 4096");
-    let measures = vec![v1::Measure::default(); MEASURES_MAX + 1];
+    let measures = vec![v1::Measure { value: Some(0.0), ..Default::default() }; MEASURES_MAX + 1];
     assert_eq!(
         refused(v1::Outcome { measures, ..completed() }),
         "`measures` has the size 257, the limit is 256"
