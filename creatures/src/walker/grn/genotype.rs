@@ -133,3 +133,6 @@ impl Genotype {
 pub(super) fn wired(body: BodyKind) -> usize {
     body.inputs() + 2 * body.degrees()
 }
+
+#[cfg(test)]
+mod tests;

@@ -53,8 +53,8 @@ impl Network {
         let targets = &proteins[inputs..];
         let sources = || proteins[..inputs].iter().chain(&proteins[inputs + outputs..]);
         let count = sources().count();
-        let enhancing = Match::new(targets.iter().map(|target| target.enh), || sources(), beta);
-        let inhibiting = Match::new(targets.iter().map(|target| target.inh), || sources(), beta);
+        let enhancing = Match::new(targets.iter().map(|target| target.enh), sources, beta);
+        let inhibiting = Match::new(targets.iter().map(|target| target.inh), sources, beta);
         let mut weights = Vec::with_capacity(targets.len().div_ceil(LANES) * count);
         for lanes in targets.chunks(LANES) {
             for source in sources() {
@@ -157,3 +157,6 @@ impl Match {
 fn affinity(distance: u8) -> i32 {
     i32::from(TAG_MAX) - i32::from(distance)
 }
+
+#[cfg(test)]
+mod tests;

@@ -166,3 +166,6 @@ impl Genotype {
 fn splice(head: &[Protein], tail: &[Protein], cut: usize) -> Vec<Protein> {
     head[..cut].iter().chain(&tail[cut..]).copied().collect()
 }
+
+#[cfg(test)]
+mod tests;

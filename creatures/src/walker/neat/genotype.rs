@@ -168,13 +168,11 @@ impl Genotype {
                 format!("{nodes} nodes where {NODES_MAX} are allowed"),
             ));
         }
-        let mut least = first_hidden;
         for (index, &node) in self.hidden.iter().enumerate() {
-            if node < least {
+            if node < first_hidden || index > 0 && node <= self.hidden[index - 1] {
                 let problem = format!("node {node} where hidden nodes ascend from {first_hidden}");
                 return Err(DecodeError::illegal(format!("hidden[{index}]"), problem));
             }
-            least = node.saturating_add(1);
         }
         let mut ends = BTreeSet::new();
         let mut last = None;
@@ -253,3 +251,6 @@ impl Genotype {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -92,3 +92,6 @@ impl Network {
 pub fn activation(x: f64) -> f64 {
     2.0 / (1.0 + exp(-x)) - 1.0
 }
+
+#[cfg(test)]
+mod tests;

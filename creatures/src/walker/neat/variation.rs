@@ -306,3 +306,6 @@ fn align<'a>(a: &'a [Link], b: &'a [Link]) -> impl Iterator<Item = (Option<&'a L
         }),
     })
 }
+
+#[cfg(test)]
+mod tests;
