@@ -7,6 +7,9 @@ use super::{Culling, ExperimentId, IndividualId, ReadError, Reader, SetAside, St
 use creatures::Outcome;
 use sqlx::sqlite::SqliteConnection;
 
+/// The largest checkpoint that is believed, bytes: what is allocated on the word of a row.
+const CHECKPOINT_MAX: usize = 1 << 30;
+
 /// An experiment as it stands in the lineage, with all that is needed to take it up again.
 #[derive(Debug, Clone)]
 pub struct StoredExperiment {
@@ -286,8 +289,7 @@ async fn standings(
 
 fn unframe(state: &[u8], size: i64) -> Result<Vec<u8>, ReadError> {
     let damaged = || ReadError::Corrupt { problem: "a checkpoint does not decompress".to_owned() };
-    let size = usize::try_from(size).map_err(|_| damaged())?;
-    // One frame of what we compressed: its header holds the size, and no more is allocated than that.
+    let size = usize::try_from(size).ok().filter(|size| *size <= CHECKPOINT_MAX).ok_or_else(damaged)?;
     match zstd::bulk::decompress(state, size) {
         Ok(checkpoint) if checkpoint.len() == size => Ok(checkpoint),
         _ => Err(damaged()),
