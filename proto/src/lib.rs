@@ -1,1 +1,23 @@
-//! proto
+//! The wire: generated messages and services, and the conversions between them and the domain. It decides
+//! nothing.
+
+pub mod convert;
+pub mod refusal;
+
+pub use convert::{ConvertError, TaskHash, task_hash};
+pub use refusal::Refusal;
+
+/// The messages and services of `hatchery.v1`, as the .proto files document them.
+#[allow(missing_docs, clippy::all, unreachable_pub, reason = "generated code")]
+pub mod v1 {
+    tonic::include_proto!("hatchery.v1");
+}
+
+/// The encoded file descriptor set, for gRPC reflection.
+pub const DESCRIPTORS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/hatchery.v1.bin"));
+
+/// The protocol's number: raised when a worker and a coordinator of different releases cannot talk.
+pub const PROTOCOL: u32 = 1;
+
+/// Messages beyond this are refused before they are decoded, bytes, on both ends.
+pub const MESSAGE_SIZE_MAX: usize = 64 << 20;

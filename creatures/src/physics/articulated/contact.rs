@@ -15,7 +15,7 @@ use super::spatial::{Inertia, Six};
 use glam::DVec3;
 
 /// Friction of an accepted step lies between this share and the whole of Coulomb's cone.
-const FRICTION_SHARE: f64 = 0.98;
+const FRICTION_SHARE: f64 = 0.99;
 /// A point that leaves the ground by less than this, m/s, need not switch.
 const RATE_SLACK: f64 = 1e-10;
 
@@ -90,6 +90,8 @@ pub(super) enum Hold {
     /// tangents: Newton's linearisation about that direction, which leaves the speed free and resists
     /// turning.
     Slide { direction: [f64; 2], turning: f64, fixed: f64, follow: f64 },
+    /// The impulses that stand in the contact, whatever the velocity.
+    Given,
 }
 
 /// How a contact that slides is linearised: from quadratic convergence to certain convergence.
@@ -169,6 +171,12 @@ impl Contact {
         let mut push = *normal;
         match self.hold {
             Hold::Open => return,
+            Hold::Given => {
+                momentum.add_scaled(normal, self.pressure);
+                momentum.add_scaled(first, self.shear[0]);
+                momentum.add_scaled(second, self.shear[1]);
+                return;
+            }
             Hold::Drag { drag } => {
                 inertia.add_outer(first, first, drag);
                 inertia.add_outer(second, second, drag);
@@ -204,6 +212,7 @@ impl Contact {
                 }
                 return self.grip(footing, slip, patience);
             }
+            Hold::Given => return Hold::Given,
             Hold::Drag { drag } => (pressure, [-drag * slip[0], -drag * slip[1]]),
             Hold::Slide { direction: [x, y], turning, fixed, follow } => {
                 let across = turning * (x * slip[1] - y * slip[0]);
@@ -215,7 +224,7 @@ impl Contact {
         let cone = self.coulomb * pressure;
         let against = -(shear[0] * slip[0] + shear[1] * slip[1]);
         let holds = match self.hold {
-            Hold::Open => true,
+            Hold::Open | Hold::Given => true,
             _ if pressure < 0.0 => {
                 // Should it come back, then with less friction: too much of it may have lifted the point.
                 self.load *= 0.5;
@@ -241,7 +250,7 @@ impl Contact {
         let speed = length(slip);
         let backwards = match self.hold {
             Hold::Slide { direction: [x, y], .. } => x * slip[0] + y * slip[1] <= 0.0,
-            Hold::Open | Hold::Drag { .. } => false,
+            Hold::Open | Hold::Drag { .. } | Hold::Given => false,
         };
         if speed <= footing.slip_speed || backwards {
             Hold::Drag { drag: friction / footing.slip_speed }
@@ -256,14 +265,26 @@ impl Contact {
         }
     }
 
+    /// Cuts the impulses that its law gives at a twist to a push within the cone, and takes them as given.
+    pub(super) fn clamp(&mut self, footing: &Footing, twist: &Six) {
+        self.judge(footing, twist, Patience::Drag);
+        self.pressure = if self.pressure > 0.0 { self.pressure } else { 0.0 };
+        let (share, cone) = (length(self.shear), self.coulomb * self.pressure);
+        if share > cone {
+            self.shear = self.shear.map(|x| x * (cone / share));
+        }
+        self.hold = Hold::Given;
+    }
+
     /// Friction that follows the normal impulse can wedge a point: the more it is held, the harder it is
     /// pressed, and the linearised system is not regular. Such a point sticks. Returns whether this one
     /// could have been it.
     pub(super) fn wedge(&mut self, footing: &Footing, twist: &Six) -> bool {
         let Hold::Slide { follow, .. } = self.hold else { return false };
         if follow > 0.0 {
-            let pressure = (footing.gain * (self.release - self.rows[0].dot(twist))).max(0.0);
-            self.hold = Hold::Drag { drag: self.friction * pressure / footing.slip_speed };
+            let pressure = footing.gain * (self.release - self.rows[0].dot(twist));
+            let drag = if pressure > 0.0 { self.friction * pressure / footing.slip_speed } else { 0.0 };
+            self.hold = Hold::Drag { drag };
         }
         follow > 0.0
     }

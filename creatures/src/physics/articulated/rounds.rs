@@ -9,11 +9,12 @@
 
 use super::World;
 use super::contact::{Footing, Patience};
+use super::joint::Link;
 use super::staircase::Demand;
 use super::tree::Singular;
 
-/// Rounds before the last solution is taken as it is, all violated pieces switched (flyer F-38).
-const ROUNDS_MAX: u32 = 200;
+/// Rounds before impulses are cut to their laws and taken as they are (flyer F-38).
+pub(super) const ROUNDS_MAX: u32 = 200;
 /// Rounds without progress before pieces switch one at a time (flyer F-38).
 const STALL_MAX: u32 = 5;
 /// Rounds before sliding contacts are linearised more patiently, and once more.
@@ -24,7 +25,7 @@ impl World {
     /// Finds the velocities at the step's end. Returns the rounds it took.
     pub(super) fn settle(&mut self, footing: Option<&Footing>) -> Result<u32, Singular> {
         let (mut fewest, mut stalled, mut patience) = (usize::MAX, 0, Patience::Newton);
-        for round in 1..=ROUNDS_MAX {
+        for round in 1..=self.rounds_max {
             if let Err(fault) = self.solve(footing) {
                 if !footing.is_some_and(|footing| self.wedge(footing)) {
                     return Err(fault);
@@ -45,8 +46,24 @@ impl World {
                 stalled += 1;
             }
         }
+        self.clamp(footing);
         self.solve(footing)?;
-        Ok(ROUNDS_MAX + 1)
+        Ok(self.rounds_max + 1)
+    }
+
+    /// When the rounds have run out: takes the impulses of the last round, each cut to what its law allows at
+    /// any velocity, as given. No motor exceeds its effort, no stop or contact pulls, no friction leaves its
+    /// cone and no joint opens; what gives way are the wanted rates, in this one step.
+    fn clamp(&mut self, footing: Option<&Footing>) {
+        for dof in self.links.iter_mut().flat_map(Link::dofs_mut) {
+            dof.impulse = dof.staircase.clamp(dof.impulse);
+            dof.given = Some(dof.impulse);
+        }
+        if let Some(footing) = footing {
+            for contact in &mut self.contacts {
+                contact.clamp(footing, &self.bodies[contact.body].twist);
+            }
+        }
     }
 
     /// Makes every point stick whose friction may have made the round's system singular; none if there is
@@ -74,7 +91,7 @@ impl World {
             let mut wrench = None;
             let body = &self.bodies[index + 1];
             for (k, dof) in link.dofs_mut().iter_mut().enumerate() {
-                match dof.staircase.demand(dof.tread) {
+                match dof.demand() {
                     Demand::Free(impulse) => dof.impulse = impulse,
                     Demand::Locked(rate) => {
                         let wrench = wrench.get_or_insert_with(|| body.reaction());
