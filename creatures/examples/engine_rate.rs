@@ -58,6 +58,9 @@ fn measure(
             let dt = command(&mut creature, step);
             creature.world.step(dt).expect("a sound creature");
             rounds += creature.world.rounds();
+            if std::env::var("HIST").is_ok() {
+                eprintln!("H {name} {}", creature.world.rounds());
+            }
             most = most.max(creature.world.rounds());
         }
         best = start.elapsed().as_secs_f64().min(best);

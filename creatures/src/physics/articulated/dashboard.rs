@@ -79,14 +79,14 @@ impl World {
         link
     }
 
-    /// How many bodies there are.
-    pub fn body_count(&self) -> usize {
-        self.bodies.len()
+    /// Every body, in the order of attachment.
+    pub fn bodies(&self) -> impl ExactSizeIterator<Item = BodyId> + use<> {
+        (0..self.bodies.len()).map(BodyId)
     }
 
-    /// How many joints there are.
-    pub fn joint_count(&self) -> usize {
-        self.links.len()
+    /// Every joint, in the order of attachment.
+    pub fn joints(&self) -> impl ExactSizeIterator<Item = JointId> + use<> {
+        (0..self.links.len()).map(JointId)
     }
 
     /// Centre of mass, m, world frame.

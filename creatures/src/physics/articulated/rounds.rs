@@ -8,7 +8,7 @@
 //! first guess, so that one round is usual.
 
 use super::World;
-use super::contact::Footing;
+use super::contact::{Footing, Patience};
 use super::staircase::Demand;
 use super::tree::Singular;
 
@@ -16,25 +16,26 @@ use super::tree::Singular;
 const ROUNDS_MAX: u32 = 200;
 /// Rounds without progress before pieces switch one at a time (flyer F-38).
 const STALL_MAX: u32 = 5;
-/// Rounds before sliding contacts take the steps that cannot overshoot.
-const NEWTON_ROUNDS: u32 = 8;
+/// Rounds before sliding contacts are linearised more patiently, and once more.
+const NEWTON_ROUNDS: u32 = 6;
+const LAGGED_ROUNDS: u32 = 24;
 
 impl World {
     /// Finds the velocities at the step's end. Returns the rounds it took.
     pub(super) fn settle(&mut self, footing: Option<&Footing>) -> Result<u32, Singular> {
-        let (mut fewest, mut stalled, mut patient) = (usize::MAX, 0, false);
+        let (mut fewest, mut stalled, mut patience) = (usize::MAX, 0, Patience::Newton);
         for round in 1..=ROUNDS_MAX {
             if let Err(fault) = self.solve(footing) {
-                // Friction that follows the normal impulse can wedge a body, and then has no solution to
-                // first order. Friction of the round before always has one.
-                if !self.contacts.iter_mut().fold(false, |any, contact| any | contact.let_go()) {
+                if !footing.is_some_and(|footing| self.wedge(footing)) {
                     return Err(fault);
                 }
-                patient = true;
+                patience = patience.max(Patience::Lagged);
                 continue;
             }
-            patient |= round > NEWTON_ROUNDS;
-            let wrong = self.judge(footing, stalled >= STALL_MAX, patient);
+            if round == NEWTON_ROUNDS || round == LAGGED_ROUNDS {
+                patience = if round == NEWTON_ROUNDS { Patience::Lagged } else { Patience::Drag };
+            }
+            let wrong = self.judge(footing, stalled >= STALL_MAX, patience);
             if wrong == 0 {
                 return Ok(round);
             }
@@ -48,6 +49,15 @@ impl World {
         Ok(ROUNDS_MAX + 1)
     }
 
+    /// Makes every point stick whose friction may have made the round's system singular; none if there is
+    /// no such point.
+    fn wedge(&mut self, footing: &Footing) -> bool {
+        let bodies = &self.bodies;
+        self.contacts
+            .iter_mut()
+            .fold(false, |any, contact| any | contact.wedge(footing, &bodies[contact.body].twist))
+    }
+
     /// One round: the velocities, if every piece is right.
     fn solve(&mut self, footing: Option<&Footing>) -> Result<(), Singular> {
         self.load(footing);
@@ -57,7 +67,7 @@ impl World {
 
     /// Reads the impulses of a round and switches what was wrong, or only the last of it; returns how many
     /// were wrong.
-    fn judge(&mut self, footing: Option<&Footing>, one: bool, patient: bool) -> usize {
+    fn judge(&mut self, footing: Option<&Footing>, one: bool, patience: Patience) -> usize {
         let mut wrong = 0;
         let mut last = None;
         for (index, link) in self.links.iter_mut().enumerate() {
@@ -87,7 +97,7 @@ impl World {
         }
         let Some(footing) = footing else { return wrong };
         for contact in &mut self.contacts {
-            let hold = contact.judge(footing, &self.bodies[contact.body].twist, patient);
+            let hold = contact.judge(footing, &self.bodies[contact.body].twist, patience);
             if hold != contact.hold {
                 wrong += 1;
                 contact.hold = hold;

@@ -10,6 +10,8 @@ pub(super) struct Creature {
     pub(super) world: World,
     pub(super) joints: Vec<JointId>,
     pub(super) bodies: Vec<BodyId>,
+    /// Each joint with the place of its parent.
+    pub(super) specs: Vec<(usize, Joint)>,
 }
 
 /// Most a hinge, a slider and one axis of a ball may give, N·m or N (G-18).
@@ -58,17 +60,19 @@ pub(super) struct Growth {
     pub(super) model: ModelBuilder,
     pub(super) bodies: Vec<(BodyId, Body)>,
     pub(super) joints: Vec<JointId>,
+    pub(super) specs: Vec<(usize, Joint)>,
 }
 
 impl Growth {
     pub(super) fn new(settings: Settings, root: Body) -> Growth {
         let mut model = ModelBuilder::new(settings);
         let id = model.root(root);
-        Growth { model, bodies: vec![(id, root)], joints: vec![] }
+        Growth { model, bodies: vec![(id, root)], joints: vec![], specs: vec![] }
     }
 
     /// Attaches a box, axes along the parent's start axes, and returns its place.
     pub(super) fn limb(&mut self, parent: usize, size: DVec3, density: f64, joint: Joint) -> usize {
+        self.specs.push((parent, joint));
         let (parent, base) = self.bodies[parent];
         let position = base.position + joint.parent_anchor - joint.child_anchor;
         let body = Body { friction: LIMB_FRICTION, ..Body::cuboid(size, density, position) };
@@ -80,7 +84,8 @@ impl Growth {
 
     pub(super) fn done(self) -> Creature {
         let world = self.model.build().expect("a legal model");
-        Creature { world, joints: self.joints, bodies: self.bodies.into_iter().map(|(id, _)| id).collect() }
+        let bodies = self.bodies.into_iter().map(|(id, _)| id).collect();
+        Creature { world, joints: self.joints, bodies, specs: self.specs }
     }
 }
 
