@@ -78,7 +78,7 @@ pub(crate) enum Command {
     Completions(Completions),
     /// Evaluate for the `hatchery run` that started this process
     #[command(hide = true)]
-    Worker(Worker),
+    Worker(worker::command::Arguments),
 }
 
 /// Which coordinator.
@@ -417,18 +417,6 @@ Examples:
   hatchery completions bash > ~/.local/share/bash-completion/completions/hatchery
   hatchery completions zsh > ~/.zfunc/_hatchery
   hatchery completions fish > ~/.config/fish/completions/hatchery.fish";
-
-/// The hidden worker of `hatchery run`. Its standard input is a pipe from its parent: when the parent is
-/// gone, however it went, the pipe closes and the worker ends.
-#[derive(Debug, Args)]
-pub(crate) struct Worker {
-    /// The coordinator of the parent
-    #[arg(long, value_name = "URL")]
-    pub(crate) coordinator: String,
-    /// Its name in the fleet
-    #[arg(long)]
-    pub(crate) name: String,
-}
 
 #[cfg(test)]
 mod tests {

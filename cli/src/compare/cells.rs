@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::Context;
+use search::Published;
 use serde::Deserialize;
 
 use crate::connect::Cells as Row;
@@ -64,30 +65,6 @@ pub(crate) struct Generation {
     pub(crate) worst: f64,
     /// True if its evaluations were culled below a cutoff, or would have been.
     pub(crate) culling: bool,
-}
-
-/// A published result, stored as data with the experiment (G-69): one method on one body, with the test on
-/// that body.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-pub(crate) struct Published {
-    /// The body.
-    pub(crate) body: String,
-    /// The method.
-    pub(crate) method: String,
-    /// Its mean best fitness.
-    pub(crate) mean: f64,
-    /// The method whose mean is larger, as printed.
-    #[serde(default)]
-    pub(crate) better: Option<String>,
-    /// The difference as printed, per cent of the larger mean.
-    #[serde(default)]
-    pub(crate) difference_percent: Option<f64>,
-    /// p as printed, such as `< 0.005`.
-    #[serde(default)]
-    pub(crate) p: Option<String>,
-    /// The method that the test prefers at 0.05, or `none`.
-    #[serde(default)]
-    pub(crate) verdict: Option<String>,
 }
 
 impl Cell {
@@ -201,12 +178,23 @@ fn cell(experiment: u64, row: &Row) -> Result<Cell, Failure> {
         body,
         settings: task,
         method: row.text("search")?.to_owned(),
-        profile: row.text("profile")?.to_owned(),
+        profile: profile(row.text("resolved")?),
         planned: usize::try_from(row.count("runs")?).context("runs")?,
         runs: Vec::new(),
         published,
         name,
     })
+}
+
+/// The profile that a resolved file says it was made with. Only that key is read: the text may be of another
+/// release.
+fn profile(resolved: &str) -> String {
+    #[derive(Default, Deserialize)]
+    struct Stored {
+        #[serde(default)]
+        profile: String,
+    }
+    toml::from_str::<Stored>(resolved).unwrap_or_default().profile
 }
 
 /// What a cell is called besides its method: the body, then its other matrix coordinates.
@@ -273,7 +261,7 @@ pub(crate) mod tests {
             ("system", text("walker")),
             ("system_version", Kind::Integer(1)),
             ("search", text("neat")),
-            ("profile", text("")),
+            ("resolved", text("name = \"walkers/arm-neat\"\nprofile = \"smoke\"\n[task]\nbody = \"arm\"\n")),
             ("runs", Kind::Integer(2)),
             ("cell", text(cell)),
             ("task", text(r#"{"body":"arm","phi":10.0}"#)),
@@ -329,5 +317,6 @@ pub(crate) mod tests {
         let made = cells(&[experiment(4, "{}")], &[], &[]).unwrap();
         assert_eq!(made[0].paper().unwrap().mean, 202.2);
         assert_eq!(made[0].results(), []);
+        assert_eq!(made[0].profile, "smoke");
     }
 }

@@ -2,9 +2,10 @@
 //! not match. A plain value, printed by `text` and as JSON with the same names. It fills no gap: what cannot
 //! be said is absent.
 
+use search::Published;
 use serde::Serialize;
 
-use super::cells::{Cell, Published};
+use super::cells::Cell;
 use super::curves::{Curve, curve};
 use super::statistics::{Sample, difference_percent, student, welch};
 
@@ -344,6 +345,7 @@ mod tests {
             body: cell.body.clone(),
             method: cell.method.clone(),
             mean,
+            generations: None,
             better: Some("grn".into()),
             difference_percent: Some(21.78),
             p: Some("<0.005".into()),

@@ -163,15 +163,17 @@ fn word(word: Option<&String>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::cells::{Cell, Published, tests::finished};
+    use super::super::cells::{Cell, tests::finished};
     use super::super::report::report;
     use super::*;
+    use search::Published;
 
     fn published(cell: Cell, mean: f64, (better, percent, p, verdict): (&str, f64, &str, &str)) -> Cell {
         let row = Published {
             body: cell.body.clone(),
             method: cell.method.clone(),
             mean,
+            generations: None,
             better: Some(better.into()),
             difference_percent: Some(percent),
             p: Some(p.into()),

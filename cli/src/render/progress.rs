@@ -89,6 +89,12 @@ impl Progress {
     }
 }
 
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
 fn state_line(of: &v1::Experiment) -> String {
     let mut line = format!("{} (experiment {}): {}", of.name, of.id, of.state);
     if of.evaluated > 0 && of.state == "running" {
