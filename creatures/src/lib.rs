@@ -9,13 +9,14 @@ pub mod outcome;
 pub mod physics;
 pub mod probe;
 pub mod random;
+pub mod walker;
 
 pub use encoding::DecodeError;
 pub use outcome::{Cull, Interim, Outcome, Reason, Status, Verdict};
 
 /// Every published system, by name.
-pub fn systems() -> [&'static dyn System; 1] {
-    [&probe::Probe]
+pub fn systems() -> [&'static dyn System; 2] {
+    [&probe::Probe, &walker::Walker]
 }
 
 /// The system of a name.
@@ -43,6 +44,12 @@ pub trait System: Send + Sync {
     /// # Errors
     /// As [`System::resolve`].
     fn task(&self, resolved: &str) -> Result<Box<dyn Task>, SpecError>;
+
+    /// What its interim measure is called at the end of an evaluation: `fitness`, or the name of one of the
+    /// outcome's measures. The culling rule looks there for what the least fit reached.
+    fn interim_measure(&self) -> &'static str {
+        "fitness"
+    }
 
     /// The task and genotypes whose outcomes prove that a machine computes as every other does.
     fn proofs(&self) -> Vec<Proof>;
