@@ -24,8 +24,7 @@ Start here:
   hatchery replay INDIVIDUAL                   live it again, and compare the fitness bit for bit
 
 An experiment ID is `last`, a number or a name; the name of a matrix stands for all its cells.
-Exit codes: 0 done, 1 failed, 2 usage or bad input, 3 not found, 4 coordinator unreachable,
-5 waiting for a pick, 130 interrupted.
+Exit codes: 0 done, 1 failed, 2 usage or bad input, 3 not found, 4 coordinator unreachable, 130 interrupted.
 Environment: HATCHERY_COORDINATOR (URL), HATCHERY_DB (file), HATCHERY_LOG (error, warn, info, debug, trace,
 or per module as in `coordinator=debug`), NO_COLOR.";
 

@@ -61,9 +61,11 @@ impl Source {
 
     /// The coordinator of a command that a file cannot answer.
     pub(crate) fn coordinator(dial: &Dial) -> Source {
-        Source::choose(&Ask { coordinator: dial.coordinator.clone(), db: None }, &|name| {
-            std::env::var(name).ok().filter(|_| name == "HATCHERY_COORDINATOR")
-        }, false)
+        Source::choose(
+            &Ask { coordinator: dial.coordinator.clone(), db: None },
+            &|name| std::env::var(name).ok().filter(|_| name == "HATCHERY_COORDINATOR"),
+            false,
+        )
     }
 }
 
@@ -121,7 +123,8 @@ async fn dial(url: &str) -> Result<Channel, Failure> {
 }
 
 fn endpoint(url: &str) -> Result<Endpoint, Failure> {
-    let wrong = |why: &str| Failure::Usage(format!("coordinator `{url}`: {why}, as in {COORDINATOR_DEFAULT}"));
+    let wrong =
+        |why: &str| Failure::Usage(format!("coordinator `{url}`: {why}, as in {COORDINATOR_DEFAULT}"));
     let whole = match url.split_once("://") {
         Some(("http", _)) => url.to_owned(),
         Some(_) => return Err(wrong("this release speaks http alone")),
@@ -155,9 +158,8 @@ mod tests {
 
     fn chosen(coordinator: Option<&str>, db: Option<&str>, set: &[(&str, &str)], here: bool) -> Source {
         let ask = Ask { coordinator: coordinator.map(str::to_owned), db: db.map(PathBuf::from) };
-        let environment = |name: &str| {
-            set.iter().find(|(known, _)| *known == name).map(|(_, value)| (*value).to_owned())
-        };
+        let environment =
+            |name: &str| set.iter().find(|(known, _)| *known == name).map(|(_, value)| (*value).to_owned());
         Source::choose(&ask, &environment, here)
     }
 

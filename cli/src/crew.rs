@@ -224,7 +224,10 @@ mod tests {
             }
         };
         assert_eq!(restarts, 8);
-        assert!(lost.contains("worker 1 ended") && lost.contains("3") && lost.contains("no such library"), "{lost}");
+        assert!(
+            lost.contains("worker 1 ended") && lost.contains("3") && lost.contains("no such library"),
+            "{lost}"
+        );
     }
 
     #[tokio::test(start_paused = true)]

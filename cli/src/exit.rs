@@ -8,7 +8,8 @@ use prost::Message;
 use proto::v1;
 use tonic::Code;
 
-/// Exit codes (design: the command line; tests and scripts rely on them).
+/// Exit codes (design: the command line; tests and scripts rely on them). 5 is kept for experiments that wait
+/// for a human pick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum Exit {
@@ -22,8 +23,6 @@ pub(crate) enum Exit {
     NotFound = 3,
     /// No coordinator answers.
     Unreachable = 4,
-    /// The experiment waits for a human pick.
-    Waiting = 5,
     /// Ctrl-C.
     Interrupted = 130,
 }
@@ -99,7 +98,9 @@ impl Failure {
     /// A submission's refusal: the problems of the file when the status carries them.
     pub(crate) fn of_submission(status: tonic::Status, file: PathBuf, text: String) -> Failure {
         match v1::Problems::decode(status.details()) {
-            Ok(v1::Problems { problems }) if status.code() == Code::InvalidArgument && !problems.is_empty() => {
+            Ok(v1::Problems { problems })
+                if status.code() == Code::InvalidArgument && !problems.is_empty() =>
+            {
                 Failure::Problems { file, text, problems }
             }
             _ => status.into(),

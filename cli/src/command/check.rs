@@ -65,7 +65,8 @@ fn summary(experiment: &Experiment) -> String {
         1 => "1 run".to_owned(),
         runs => format!("{runs} runs"),
     };
-    let mut words = vec![format!("{}:", experiment.name), experiment.system.clone(), experiment.search_kind().to_owned()];
+    let mut words =
+        vec![format!("{}:", experiment.name), experiment.system.clone(), experiment.search_kind().to_owned()];
     words.push(format!("{runs}, seed {}", experiment.seed));
     if let (Some(generations), Some(population)) = (experiment.generations(), experiment.population()) {
         words.push(format!("x {generations} generations x {population}"));

@@ -63,7 +63,8 @@ async fn write(mut rows: Rows, format: Format, to: &mut impl Write) -> Result<u6
         }
         Format::Ndjson => {
             while let Some(values) = rows.next().await? {
-                serde_json::to_writer(&mut *to, &json::row(rows.columns(), &values)).map_err(std::io::Error::from)?;
+                serde_json::to_writer(&mut *to, &json::row(rows.columns(), &values))
+                    .map_err(std::io::Error::from)?;
                 to.write_all(b"\n")?;
                 count += 1;
             }

@@ -38,7 +38,8 @@ const HEADING: &str = "depth  individual  generation    fitness  status      ope
 
 fn line(of: &Ancestor) -> String {
     let parents = of.parents.iter().map(|link| link.parent.to_string()).collect::<Vec<_>>().join(" and ");
-    let origin = if parents.is_empty() { of.operator.clone() } else { format!("{} of {parents}", of.operator) };
+    let origin =
+        if parents.is_empty() { of.operator.clone() } else { format!("{} of {parents}", of.operator) };
     format!(
         "{:>5}  {:>10}  {:>10}  {:>9}  {:<10}  {origin}",
         of.depth,
@@ -56,11 +57,30 @@ mod tests {
 
     #[test]
     fn an_ancestor_says_how_it_was_made_and_of_whom() {
-        let parents = vec![ParentLink { parent: 9, role: "first".into() }, ParentLink { parent: 8, role: "second".into() }];
-        let child = Ancestor { id: 21, depth: 1, generation: 2, operator: "crossover".into(), status: "completed".into(), fitness: Some(61.25), parents, ..Default::default() };
-        assert_eq!(line(&child), "    1          21           2    61.2500  completed   crossover of 9 and 8");
+        let parents = vec![
+            ParentLink { parent: 9, role: "first".into() },
+            ParentLink { parent: 8, role: "second".into() },
+        ];
+        let child = Ancestor {
+            id: 21,
+            depth: 1,
+            generation: 2,
+            operator: "crossover".into(),
+            status: "completed".into(),
+            fitness: Some(61.25),
+            parents,
+            ..Default::default()
+        };
+        assert_eq!(
+            line(&child),
+            "    1          21           2    61.2500  completed   crossover of 9 and 8"
+        );
         let founder = Ancestor { operator: "random".into(), parents: vec![], ..child };
         assert!(line(&founder).ends_with("  random"));
-        assert_eq!(HEADING.find("operator"), line(&founder).find("random"), "headings stand over their columns");
+        assert_eq!(
+            HEADING.find("operator"),
+            line(&founder).find("random"),
+            "headings stand over their columns"
+        );
     }
 }

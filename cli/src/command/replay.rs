@@ -52,7 +52,9 @@ pub(super) async fn replay(arguments: AskIndividual, output: Output) -> Result<(
 fn live(recorded: &IndividualReply) -> Result<Outcome, Failure> {
     let id = recorded.id;
     match recorded.status.as_str() {
-        "pending" => return Err(anyhow!("individual {id} has no outcome yet: there is nothing to compare").into()),
+        "pending" => {
+            return Err(anyhow!("individual {id} has no outcome yet: there is nothing to compare").into());
+        }
         "failed" => {
             return Err(anyhow!(
                 "individual {id} was set aside, so there is no outcome to compare: {}",
@@ -62,7 +64,8 @@ fn live(recorded: &IndividualReply) -> Result<Outcome, Failure> {
         }
         _ => {}
     }
-    let genotype = recorded.genotype.as_ref().ok_or_else(|| anyhow!("individual {id} comes without a genotype"))?;
+    let genotype =
+        recorded.genotype.as_ref().ok_or_else(|| anyhow!("individual {id} comes without a genotype"))?;
     let system = creatures::system(&genotype.system)
         .ok_or_else(|| anyhow!("this release does not know the system `{}`", genotype.system))?;
     if genotype.version != system.version() {
@@ -76,7 +79,8 @@ fn live(recorded: &IndividualReply) -> Result<Outcome, Failure> {
         .into());
     }
     let task = system.task(&recorded.task).with_context(|| format!("the task of individual {id}"))?;
-    let cull = recorded.cull.as_ref().map(|cull| Cull { at: cull.at, cutoff: cull.cutoff, control: cull.control });
+    let cull =
+        recorded.cull.as_ref().map(|cull| Cull { at: cull.at, cutoff: cull.cutoff, control: cull.control });
     let outcome = task
         .evaluate(&genotype.payload, recorded.seed, cull.as_ref(), &mut |_| {})
         .with_context(|| format!("the genotype of individual {id}"))?;
@@ -91,12 +95,14 @@ fn differences(recorded: &IndividualReply, lived: &Outcome) -> Vec<String> {
             differences.push(format!("{what} recorded {recorded}, replayed {replayed}"));
         }
     };
-    let shown = |value: f64| format!("{value} ({})", number::bits(value));
+    let shown = |value: Option<f64>| {
+        value.map_or("none".to_owned(), |value| format!("{value} ({})", number::bits(value)))
+    };
     compare("status", recorded.status.clone(), word(lived.status));
-    compare("fitness", recorded.fitness.map_or("none".to_owned(), shown), shown(lived.fitness));
+    compare("fitness", shown(recorded.fitness), shown(Some(lived.fitness)));
     compare("steps", recorded.steps.to_string(), lived.steps.to_string());
     if let (Some(then), Some(now)) = (&recorded.interim, &lived.interim) {
-        compare("interim measure", shown(then.measure), shown(now.measure));
+        compare("interim measure", shown(then.measure), shown(Some(now.measure)));
     }
     differences
 }

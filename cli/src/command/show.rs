@@ -10,7 +10,8 @@ use crate::render::table::facts;
 use crate::render::{Output, json, number};
 
 pub(super) async fn show(arguments: Show, output: Output) -> Result<(), Failure> {
-    let individual = fetch(&Connection::open(&Source::of(&arguments.ask)).await?, arguments.individual).await?;
+    let individual =
+        fetch(&Connection::open(&Source::of(&arguments.ask)).await?, arguments.individual).await?;
     if output.json {
         return output.document(&json::individual(&individual));
     }
@@ -61,25 +62,61 @@ fn text(of: &IndividualReply) -> String {
         }
     };
     say("note", of.note.clone());
-    say("fitness", of.fitness.map_or(String::new(), |f| format!("{}  ({})", number::figure(f), number::bits(f))));
+    say(
+        "fitness",
+        of.fitness.map_or(String::new(), |f| format!("{}  ({})", number::figure(f), number::bits(f))),
+    );
     say("steps", number::count(of.steps));
-    say("interim", of.interim.as_ref().map_or(String::new(), |interim| {
-        let cutoff = of.cull.as_ref().and_then(|cull| cull.cutoff);
-        let cutoff = cutoff.map_or(String::new(), |cutoff| format!(", cutoff {}", number::figure(cutoff)));
-        format!("{} at step {}{cutoff}", number::figure(interim.measure), interim.step)
-    }));
+    say(
+        "interim",
+        of.interim.as_ref().map_or(String::new(), |interim| {
+            let cutoff = of.cull.as_ref().and_then(|cull| cull.cutoff);
+            let cutoff =
+                cutoff.map_or(String::new(), |cutoff| format!(", cutoff {}", number::figure(cutoff)));
+            format!("{} at step {}{cutoff}", number::figure_or_dash(interim.measure), interim.step)
+        }),
+    );
     say("measures", pairs(&of.measures));
     say("traits", pairs(&of.traits));
-    say("parents", of.parents.iter().map(|link| format!("{} ({})", link.parent, link.role)).collect::<Vec<_>>().join(", "));
+    say(
+        "parents",
+        of.parents
+            .iter()
+            .map(|link| format!("{} ({})", link.parent, link.role))
+            .collect::<Vec<_>>()
+            .join(", "),
+    );
     say("children", number::count(of.children));
-    say("outcome of", if of.inherits == 0 { String::new() } else { format!("{}, whose genotype is equal", of.inherits) });
-    say("genotype", of.genotype.as_ref().map_or(String::new(), |genotype| {
-        format!("{} version {}, {} bytes, BLAKE3 {}", genotype.system, genotype.version, genotype.payload.len(), number::hex(&of.digest))
-    }));
+    say(
+        "outcome of",
+        if of.inherits == 0 { String::new() } else { format!("{}, whose genotype is equal", of.inherits) },
+    );
+    say(
+        "genotype",
+        of.genotype.as_ref().map_or(String::new(), |genotype| {
+            format!(
+                "{} version {}, {} bytes, BLAKE3 {}",
+                genotype.system,
+                genotype.version,
+                genotype.payload.len(),
+                number::hex(&of.digest)
+            )
+        }),
+    );
     say("task", of.task.clone());
     say("seed", of.seed.to_string());
     for attempt in &of.attempts {
-        say("attempt", format!("{} on {}: {}, {} steps in {}", attempt.number, attempt.worker, attempt.fate, number::count(attempt.steps), number::stretch(attempt.seconds)));
+        say(
+            "attempt",
+            format!(
+                "{} on {}: {}, {} steps in {}",
+                attempt.number,
+                attempt.worker,
+                attempt.fate,
+                number::count(attempt.steps),
+                number::stretch(attempt.seconds)
+            ),
+        );
     }
     facts(&lines)
 }
@@ -113,10 +150,19 @@ mod tests {
             task: r#"{"body":"crawler"}"#.into(),
             seed: 9,
             cull: Some(Cull { at: 0.25, cutoff: Some(4.0), control: false }),
-            interim: Some(Interim { step: 450, measure: 3.5 }),
+            interim: Some(Interim { step: 450, measure: Some(3.5) }),
             steps: 450,
-            parents: vec![ParentLink { parent: 4600, role: "first".into() }, ParentLink { parent: 4605, role: "second".into() }],
-            attempts: vec![AttemptInfo { number: 1, worker: "ada-17".into(), fate: "counted".into(), steps: 450, seconds: 0.012 }],
+            parents: vec![
+                ParentLink { parent: 4600, role: "first".into() },
+                ParentLink { parent: 4605, role: "second".into() },
+            ],
+            attempts: vec![AttemptInfo {
+                number: 1,
+                worker: "ada-17".into(),
+                fate: "counted".into(),
+                steps: 450,
+                seconds: 0.012,
+            }],
             ..Default::default()
         };
         insta::assert_snapshot!(text(&individual));

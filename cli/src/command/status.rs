@@ -86,7 +86,16 @@ mod tests {
 
     #[test]
     fn a_status_names_the_state_its_reason_and_every_run() {
-        let run = Run { run: 1, generation: 12, generations: 40, done: 17, size: 80, best: Some(61.25), best_individual: 4711, ..Default::default() };
+        let run = Run {
+            run: 1,
+            generation: 12,
+            generations: 40,
+            done: 17,
+            size: 80,
+            best: Some(61.25),
+            best_individual: 4711,
+            ..Default::default()
+        };
         let experiment = Experiment {
             id: 3,
             name: "crawler-grn".into(),

@@ -35,7 +35,10 @@ pub(super) async fn watch(arguments: Control, output: Output) -> Result<(), Fail
 
 /// Opens the stream of what happens to an experiment, or to the cells of a matrix. It has no deadline: it
 /// lasts as long as they do.
-pub(super) async fn open(connection: &Connection, experiment: &str) -> Result<Streaming<WatchEvent>, Failure> {
+pub(super) async fn open(
+    connection: &Connection,
+    experiment: &str,
+) -> Result<Streaming<WatchEvent>, Failure> {
     let request = WatchRequest { experiment: experiment.to_owned() };
     Ok(connection.experiments().watch(request).await?.into_inner())
 }

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::Context;
-use search::Published;
+use search::experiment::Published;
 use serde::Deserialize;
 
 use crate::connect::Cells as Row;
@@ -80,7 +80,9 @@ impl Cell {
 
     /// The generations that each of its runs takes, when known.
     pub(crate) fn generations(&self) -> Option<u64> {
-        self.runs.iter().find_map(|run| run.planned.or_else(|| run.finished.then_some(run.generations.len() as u64)))
+        self.runs
+            .iter()
+            .find_map(|run| run.planned.or_else(|| run.finished.then_some(run.generations.len() as u64)))
     }
 
     /// The individuals of a generation.
@@ -110,7 +112,9 @@ pub(crate) fn cells(experiments: &[Row], stages: &[Row], generations: &[Row]) ->
         let Some((_, runs)) = cells.get_mut(&row.count("experiment")?) else { continue };
         let stage = row.count("stage")?;
         let ended = row.integer("ended_ms")?.is_some();
-        let entry = runs.entry(row.count("run")?).or_insert_with(|| (stage, Run { finished: true, ..Run::default() }));
+        let entry = runs
+            .entry(row.count("run")?)
+            .or_insert_with(|| (stage, Run { finished: true, ..Run::default() }));
         entry.1.finished &= ended;
         if stage >= entry.0 {
             entry.0 = stage;
@@ -138,7 +142,8 @@ pub(crate) fn cells(experiments: &[Row], stages: &[Row], generations: &[Row]) ->
 
 /// A generation that has ended; none while it is open.
 fn generation(row: &Row) -> Result<Option<Generation>, Failure> {
-    let (Some(best), Some(mean), Some(worst)) = (row.real("best")?, row.real("mean")?, row.real("worst")?) else {
+    let (Some(best), Some(mean), Some(worst)) = (row.real("best")?, row.real("mean")?, row.real("worst")?)
+    else {
         return Ok(None);
     };
     Ok(Some(Generation {
@@ -301,9 +306,14 @@ pub(crate) mod tests {
     #[test]
     fn rows_become_cells_with_runs_in_order_and_the_last_stage_alone() {
         let stages = [stage(1, 0, true), stage(1, 1, true), stage(2, 0, false)];
-        let generations =
-            [generation(1, 1, 2, 9.0), generation(1, 0, 1, 1.0), generation(1, 1, 1, 8.0), generation(2, 0, 1, 3.0)];
-        let made = cells(&[experiment(4, r#"{"task.body":"arm","search.population":40}"#)], &stages, &generations);
+        let generations = [
+            generation(1, 1, 2, 9.0),
+            generation(1, 0, 1, 1.0),
+            generation(1, 1, 1, 8.0),
+            generation(2, 0, 1, 3.0),
+        ];
+        let made =
+            cells(&[experiment(4, r#"{"task.body":"arm","search.population":40}"#)], &stages, &generations);
         let [cell] = &made.unwrap()[..] else { panic!("one experiment is one cell") };
         assert_eq!((cell.body.as_str(), cell.method.as_str()), ("arm population=40", "neat"));
         assert_eq!(cell.results(), [9.0], "the second run has not finished");
@@ -316,7 +326,7 @@ pub(crate) mod tests {
     fn a_published_result_is_found_by_body_and_method() {
         let made = cells(&[experiment(4, "{}")], &[], &[]).unwrap();
         assert_eq!(made[0].paper().unwrap().mean, 202.2);
-        assert_eq!(made[0].results(), []);
+        assert_eq!(made[0].results(), [0.0; 0]);
         assert_eq!(made[0].profile, "smoke");
     }
 }

@@ -85,7 +85,8 @@ impl<'a> Grid<'a> {
     {
         area.fill(&WHITE)?;
         let panels = area.split_evenly((self.bodies.len(), self.methods.len()));
-        let places = self.bodies.iter().flat_map(|body| self.methods.iter().map(move |method| (*body, *method)));
+        let places =
+            self.bodies.iter().flat_map(|body| self.methods.iter().map(move |method| (*body, *method)));
         for (panel, (body, method)) in panels.iter().zip(places) {
             // Both methods of a body share their scale, so that they can be compared by eye.
             let of_body: Vec<_> = self.curves.iter().filter(|curve| curve.body == body).collect();
@@ -169,7 +170,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let [png, svg] = draw(&table(), &folder.path().join("figures")).unwrap();
         let svg = std::fs::read_to_string(svg).unwrap();
-        for words in ["crawler, grn", "crawler, neat", "arm, grn", "arm, neat", "generation", "fitness", "worst"] {
+        for words in
+            ["crawler, grn", "crawler, neat", "arm, grn", "arm, neat", "generation", "fitness", "worst"]
+        {
             assert!(svg.contains(words), "{words}");
         }
         let png = std::fs::read(png).unwrap();
@@ -182,7 +185,8 @@ mod tests {
         register_fonts();
         let ink = |caption: &str| {
             let mut pixels = vec![255u8; (PANEL_WIDTH * PANEL_HEIGHT * 3) as usize];
-            let area = BitMapBackend::with_buffer(&mut pixels, (PANEL_WIDTH, PANEL_HEIGHT)).into_drawing_area();
+            let area =
+                BitMapBackend::with_buffer(&mut pixels, (PANEL_WIDTH, PANEL_HEIGHT)).into_drawing_area();
             area.draw(&Text::new(caption.to_owned(), (20, 20), ("sans-serif", 20))).unwrap();
             drop(area);
             pixels.iter().filter(|&&value| value < 128).count()

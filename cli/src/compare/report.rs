@@ -2,7 +2,7 @@
 //! not match. A plain value, printed by `text` and as JSON with the same names. It fills no gap: what cannot
 //! be said is absent.
 
-use search::Published;
+use search::experiment::Published;
 use serde::Serialize;
 
 use super::cells::Cell;
@@ -154,9 +154,7 @@ pub(crate) fn report(cells: &[Cell]) -> Report {
             } else if of_body.len() > 2 {
                 notes.push(format!("{body} has {} cells: a test takes two", of_body.len()));
             }
-            notes.extend(
-                unlike.map(|what| format!("{body}: cells differ in {what}, so there is no test")),
-            );
+            notes.extend(unlike.map(|what| format!("{body}: cells differ in {what}, so there is no test")));
         }
     }
     let all: Vec<_> = cells.iter().collect();
@@ -169,7 +167,8 @@ pub(crate) fn report(cells: &[Cell]) -> Report {
         notes.push("culling was on, and the paper has none: its verdicts are left out".to_owned());
     }
     let settled = tests.iter().filter_map(|test| test.agrees);
-    let agreement = Agreement { agree: settled.clone().filter(|&agrees| agrees).count(), of: settled.count() };
+    let agreement =
+        Agreement { agree: settled.clone().filter(|&agrees| agrees).count(), of: settled.count() };
     notes.extend(model_note(cells));
     Report {
         system: cells.first().map(|cell| cell.system.clone()).unwrap_or_default(),
@@ -270,8 +269,9 @@ impl PaperTest {
 fn unfinished(cell: &Cell) -> Option<String> {
     let finished = cell.finished().count();
     let place = format!("{} {}", cell.body, cell.method);
-    (finished < cell.planned)
-        .then(|| format!("{place}: {} of {} runs unfinished, left out", cell.planned - finished, cell.planned))
+    (finished < cell.planned).then(|| {
+        format!("{place}: {} of {} runs unfinished, left out", cell.planned - finished, cell.planned)
+    })
 }
 
 /// What the two cells of a body may not differ in if they are to be tested against each other.
@@ -389,10 +389,7 @@ mod tests {
         assert!(arm.diff_percent.is_some());
         assert_eq!((report.cells[1].runs, report.cells[1].sd), (1, None));
         assert_eq!(report.tests.len(), 1);
-        assert_eq!(
-            report.notes,
-            ["arm neat: 5 of 6 runs unfinished, left out", "hopper neat is missing"]
-        );
+        assert_eq!(report.notes, ["arm neat: 5 of 6 runs unfinished, left out", "hopper neat is missing"]);
     }
 
     #[test]
@@ -431,7 +428,11 @@ mod tests {
         assert!(quick.quick);
         assert_eq!((&quick.tests[0].verdict, quick.tests[0].agrees), (&None, None));
         let mut culled = pair();
-        culled.iter_mut().flat_map(|cell| &mut cell.runs).flat_map(|run| &mut run.generations).for_each(|g| g.culling = true);
+        culled
+            .iter_mut()
+            .flat_map(|cell| &mut cell.runs)
+            .flat_map(|run| &mut run.generations)
+            .for_each(|g| g.culling = true);
         let culled = report(&culled);
         assert_eq!((culled.tests[0].verdict.as_deref(), &culled.tests[0].paper), (Some("grn"), &None));
         assert_eq!(culled.agreement, None);

@@ -166,7 +166,7 @@ mod tests {
     use super::super::cells::{Cell, tests::finished};
     use super::super::report::report;
     use super::*;
-    use search::Published;
+    use search::experiment::Published;
 
     fn published(cell: Cell, mean: f64, (better, percent, p, verdict): (&str, f64, &str, &str)) -> Cell {
         let row = Published {
@@ -220,7 +220,17 @@ mod tests {
         let json = serde_json::to_value(report(&cells())).unwrap();
         assert_eq!(json["tests"][0]["paper"]["p"], "<0.005");
         assert_eq!(json["cells"][3]["paper"], 202.2);
-        for name in ["runs", "generations", "population", "world", "culling", "quick", "complete", "agreement", "curves"] {
+        for name in [
+            "runs",
+            "generations",
+            "population",
+            "world",
+            "culling",
+            "quick",
+            "complete",
+            "agreement",
+            "curves",
+        ] {
             assert!(!json[name].is_null(), "{name}");
         }
     }

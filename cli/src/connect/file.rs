@@ -29,7 +29,10 @@ pub(super) async fn serve(path: &Path) -> Result<Channel, Failure> {
     let (ours, theirs) = tokio::io::duplex(PIPE_SIZE);
     let once = tokio_stream::once(Ok::<_, std::io::Error>(theirs)).chain(tokio_stream::pending());
     let router = Server::builder()
-        .add_service(LineageServer::new(LineageService::new(reader.clone())).max_encoding_message_size(MESSAGE_SIZE_MAX))
+        .add_service(
+            LineageServer::new(LineageService::new(reader.clone()))
+                .max_encoding_message_size(MESSAGE_SIZE_MAX),
+        )
         .add_service(ExperimentsServer::new(Stored { reader }).max_encoding_message_size(MESSAGE_SIZE_MAX));
     tokio::spawn(async move {
         if let Err(error) = router.serve_with_incoming(once).await {

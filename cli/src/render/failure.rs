@@ -5,8 +5,7 @@ use std::io::{IsTerminal, Write};
 use std::path::Path;
 
 use miette::{
-    Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, ReportHandler, Severity,
-    SourceCode,
+    Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, Severity, SourceCode,
 };
 use proto::v1;
 use serde_json::json;
@@ -147,7 +146,11 @@ mod tests {
                 line: 4,
                 column: 1,
             },
-            v1::Problem { key: "task.body".into(), message: "`task.body` is missing".into(), ..Default::default() },
+            v1::Problem {
+                key: "task.body".into(),
+                message: "`task.body` is missing".into(),
+                ..Default::default()
+            },
         ]
     }
 

@@ -252,8 +252,12 @@ mod tests {
 
     #[test]
     fn absent_things_are_null_and_json_text_is_no_string() {
-        let shown = experiment(&v1::Experiment { id: 1, cell: r#"{"body":"arm"}"#.into(), ..Default::default() });
+        let shown =
+            experiment(&v1::Experiment { id: 1, cell: r#"{"body":"arm"}"#.into(), ..Default::default() });
         assert_eq!(shown["cell"]["body"], "arm");
-        assert_eq!((&shown["group"], &shown["planned"], &shown["ended_ms"]), (&Value::Null, &Value::Null, &Value::Null));
+        assert_eq!(
+            (&shown["group"], &shown["planned"], &shown["ended_ms"]),
+            (&Value::Null, &Value::Null, &Value::Null)
+        );
     }
 }

@@ -46,8 +46,7 @@ pub(crate) fn time(unix_ms: i64) -> String {
     let shifted = days + 719_468;
     let era = shifted.div_euclid(146_097);
     let day_of_era = shifted.rem_euclid(146_097);
-    let year_of_era =
-        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
     let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
     let month_from_march = (5 * day_of_year + 2) / 153;
     let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
@@ -80,7 +79,10 @@ mod tests {
 
     #[test]
     fn counts_and_stretches_are_grouped() {
-        assert_eq!((count(7), count(1234), count(3_840_000)), ("7".into(), "1,234".into(), "3,840,000".into()));
+        assert_eq!(
+            (count(7), count(1234), count(3_840_000)),
+            ("7".into(), "1,234".into(), "3,840,000".into())
+        );
         assert_eq!(stretch(59.94), "59.9 s");
         assert_eq!(stretch(3725.0), "1 h 2 min");
         assert_eq!(stretch(200_000.0), "2 d 7 h");

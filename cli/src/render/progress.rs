@@ -46,7 +46,8 @@ impl Progress {
         match what {
             What::State(state) => {
                 let before = self.experiments.insert(state.id, state.clone());
-                let is_news = before.is_none_or(|b| (b.state, b.reason) != (state.state.clone(), state.reason.clone()));
+                let is_news =
+                    before.is_none_or(|b| (b.state, b.reason) != (state.state.clone(), state.reason.clone()));
                 if is_news {
                     self.say(&state_line(state))?;
                 }
@@ -257,7 +258,11 @@ mod tests {
     fn a_bar_draws_itself_with_and_without_a_length() {
         let mut bars = Bars::new();
         bars.generation(1, "crawler", &generation());
-        bars.progress(1, "crawler", &v1::Progress { evaluated: 7, workers: 1, rate: 3.4, ..Default::default() });
+        bars.progress(
+            1,
+            "crawler",
+            &v1::Progress { evaluated: 7, workers: 1, rate: 3.4, ..Default::default() },
+        );
         assert_eq!(bars.each[&1].drawn.length(), None);
         assert_eq!(bars.each[&1].drawn.message(), "run 2 generation 12/40  best 61.2000  3/s, 1 worker");
         bars.progress(1, "crawler", &v1::Progress { planned: 80, ..Default::default() });

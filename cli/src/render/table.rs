@@ -38,7 +38,7 @@ pub(crate) fn table(columns: &[Column], rows: impl IntoIterator<Item = Vec<Strin
 /// A table whose headings are known only when it runs; everything to the left.
 pub(crate) fn plain<T: Into<comfy_table::Cell>>(headings: impl IntoIterator<Item = T>) -> Table {
     let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Disabled);
+    table.load_style(presets::NOTHING).set_content_arrangement(ContentArrangement::Disabled);
     table.set_header(headings.into_iter().map(Into::into).collect::<Vec<comfy_table::Cell>>());
     for column in table.column_iter_mut() {
         column.set_padding((0, 2));
@@ -65,10 +65,8 @@ mod tests {
     #[test]
     fn numbers_stand_to_the_right_and_no_line_ends_in_blanks() {
         let columns = [Column::Left("name"), Column::Right("best"), Column::Left("state")];
-        let rows = [vec!["crawler".into(), "9.5".into(), "".into()], vec!["a".into(), "100.25".into(), "ok".into()]];
-        assert_eq!(
-            table(&columns, rows),
-            "name       best  state\ncrawler     9.5\na        100.25  ok"
-        );
+        let rows =
+            [vec!["crawler".into(), "9.5".into(), "".into()], vec!["a".into(), "100.25".into(), "ok".into()]];
+        assert_eq!(table(&columns, rows), "name       best  state\ncrawler     9.5\na        100.25  ok");
     }
 }

@@ -109,7 +109,8 @@ fn text(summary: &Summary) -> String {
 
 fn single(of: &Ended, summary: &Summary) -> String {
     let best = of.best.map_or("none".to_owned(), |best| {
-        let ratio = best.ratio().map_or(String::new(), |ratio| format!(", {ratio:.2} times the first generation's"));
+        let ratio =
+            best.ratio().map_or(String::new(), |ratio| format!(", {ratio:.2} times the first generation's"));
         format!("{} by individual {}{ratio}", number::figure(best.fitness), best.individual)
     });
     facts(&[
@@ -152,12 +153,21 @@ fn matrix(several: &[Ended], summary: &Summary) -> String {
         ]
     };
     let rows = table(&columns, several.iter().map(row));
-    format!("{rows}\n\n{} finished in {}, lineage in {}", summary.group, number::stretch(summary.seconds), summary.db)
+    format!(
+        "{rows}\n\n{} finished in {}, lineage in {}",
+        summary.group,
+        number::stretch(summary.seconds),
+        summary.db
+    )
 }
 
 /// What to ask next.
 fn next(summary: &Summary) -> String {
-    let db = if summary.db == "hatchery.db" { String::new() } else { format!(" --db {}", super::quoted(&summary.db)) };
+    let db = if summary.db == "hatchery.db" {
+        String::new()
+    } else {
+        format!(" --db {}", super::quoted(&summary.db))
+    };
     let mut lines = Vec::new();
     if summary.experiments.len() > 1 {
         lines.push(format!("hatchery compare {}{db}", super::quoted(&summary.group)));
@@ -178,7 +188,14 @@ mod tests {
     use super::*;
 
     fn ended(id: u64, first: f64) -> Ended {
-        let experiment = Experiment { id, name: format!("crawler-{id}"), state: "finished".into(), evaluated: 3200, culled: 12, ..Default::default() };
+        let experiment = Experiment {
+            id,
+            name: format!("crawler-{id}"),
+            state: "finished".into(),
+            evaluated: 3200,
+            culled: 12,
+            ..Default::default()
+        };
         Ended { experiment, best: Some(Best { individual: 4711, fitness: 61.25, first: Some(first) }) }
     }
 
