@@ -179,6 +179,7 @@ impl Roster {
     fn spawn(&self) -> std::io::Result<Child> {
         let mut command = Command::new(&self.program);
         command
+            .arg0("hatchery")
             .args(&self.arguments)
             .stdin(Stdio::piped())
             .stdout(Stdio::null())

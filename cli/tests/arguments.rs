@@ -32,12 +32,14 @@ fn end(command: &mut Command) -> Ended {
     }
 }
 
-const PROBE: &str = "name = \"load\"\nsystem = \"probe\"\n[search]\nkind = \"probe\"\npopulation = 8\ngenerations = 3\n";
+const PROBE: &str =
+    "name = \"load\"\nsystem = \"probe\"\n[search]\nkind = \"probe\"\npopulation = 8\ngenerations = 3\n";
 
 #[test]
 fn wrong_usage_exits_with_2_and_help_with_0() {
     let folder = folder();
-    for wrong in [&["frobnicate"][..], &["run"], &["best", "last", "--limit", "0"], &["export", "v_nothing"]] {
+    for wrong in [&["frobnicate"][..], &["run"], &["best", "last", "--limit", "0"], &["export", "v_nothing"]]
+    {
         assert_eq!(end(hatchery(&folder).args(wrong)).code, 2, "{wrong:?}");
     }
     let help = end(hatchery(&folder).arg("--help"));
@@ -65,7 +67,11 @@ fn a_good_file_is_good_and_its_resolved_text_is_a_file_of_the_same_experiment() 
     std::fs::write(&file, PROBE).unwrap();
     let good = end(hatchery(&folder).args(["check", "load.toml"]));
     assert_eq!((good.code, good.err.as_str()), (0, ""));
-    assert!(good.out.starts_with("load.toml: good\n") && good.out.contains("= 24 individuals"), "{}", good.out);
+    assert!(
+        good.out.starts_with("load.toml: good\n") && good.out.contains("= 24 individuals"),
+        "{}",
+        good.out
+    );
 
     let set = ["--set", "search.population=16"];
     let resolved = end(hatchery(&folder).args(["check", "load.toml", "--resolved"]).args(set));
@@ -86,7 +92,8 @@ fn a_bad_file_names_file_line_and_column_and_creates_nothing() {
         assert!(bad.err.contains("populatoin") && bad.err.contains("population"), "{command}: {}", bad.err);
         assert_eq!(bad.out, "");
     }
-    let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    let left: Vec<_> =
+        std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(left, ["bad.toml"], "nothing was created");
 }
 
@@ -129,7 +136,8 @@ fn a_coordinator_that_does_not_answer_exits_with_4_and_one_that_is_no_url_with_2
 fn a_file_that_is_no_lineage_is_refused_and_left_as_it_is() {
     let folder = folder();
     let path = folder.path().join("notes.db");
-    std::fs::write(&path, "these are no pages of a database, but a text that is long enough to be read").unwrap();
+    std::fs::write(&path, "these are no pages of a database, but a text that is long enough to be read")
+        .unwrap();
     let before = std::fs::read(&path).unwrap();
     let ended = end(hatchery(&folder).args(["list", "--db", "notes.db"]));
     assert_eq!(ended.code, 2, "{}", ended.err);

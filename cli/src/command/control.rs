@@ -1,5 +1,5 @@
-//! `hatchery pause`, `resume` and `cancel`: one order to a coordinator, about an experiment or every cell of a
-//! matrix.
+//! `hatchery pause`, `resume` and `cancel`: one order to a coordinator, about an experiment or every cell of
+//! a matrix.
 
 use proto::v1::ControlRequest;
 

@@ -1,5 +1,5 @@
-//! The commands, one a file: each opens a connection, asks, and renders the answer. None of them knows whether
-//! a coordinator or a file answers.
+//! The commands, one a file: each opens a connection, asks, and renders the answer. None of them knows
+//! whether a coordinator or a file answers.
 
 mod best;
 mod check;

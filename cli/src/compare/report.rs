@@ -41,8 +41,10 @@ pub(crate) struct Report {
     pub(crate) tests: Vec<TestRow>,
     /// How many verdicts are those of the paper.
     pub(crate) agreement: Option<Agreement>,
-    /// What is missing, unfinished or unlike the rest, and what of the model is our choice.
+    /// What is missing, unfinished or unlike the rest.
     pub(crate) notes: Vec<String>,
+    /// What of the model is our choice, and so how to read the figures.
+    pub(crate) model: Option<String>,
     /// The fitness curves (G-67).
     pub(crate) curves: Vec<Curve>,
 }
@@ -169,7 +171,6 @@ pub(crate) fn report(cells: &[Cell]) -> Report {
     let settled = tests.iter().filter_map(|test| test.agrees);
     let agreement =
         Agreement { agree: settled.clone().filter(|&agrees| agrees).count(), of: settled.count() };
-    notes.extend(model_note(cells));
     Report {
         system: cells.first().map(|cell| cell.system.clone()).unwrap_or_default(),
         methods,
@@ -184,6 +185,7 @@ pub(crate) fn report(cells: &[Cell]) -> Report {
         tests,
         agreement: (agreement.of > 0).then_some(agreement),
         notes,
+        model: model_note(cells),
         curves,
     }
 }

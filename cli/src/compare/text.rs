@@ -9,13 +9,12 @@ pub(crate) fn text(report: &Report) -> String {
     if !report.tests.is_empty() {
         parts.push(tests(report));
     }
-    let mut last = String::new();
-    if let Some(agreement) = report.agreement {
-        last.push_str(&format!("agreement {} of {}.  ", agreement.agree, agreement.of));
-    }
-    last.push_str(&report.notes.join("\n"));
-    if !last.trim().is_empty() {
-        parts.push(last.trim_end().to_owned());
+    parts.extend(report.notes.iter().cloned());
+    let agreement =
+        report.agreement.map(|agreement| format!("agreement {} of {}.", agreement.agree, agreement.of));
+    let last: Vec<_> = agreement.into_iter().chain(report.model.clone()).collect();
+    if !last.is_empty() {
+        parts.push(last.join("  "));
     }
     parts.join("\n")
 }

@@ -60,7 +60,8 @@ fn refusal(error: OpenError) -> Failure {
     }
 }
 
-/// The `Experiments` service as far as a file can answer: what there is, and how far it was when last written.
+/// The `Experiments` service as far as a file can answer: what there is, and how far it was when last
+/// written.
 #[derive(Debug, Clone)]
 struct Stored {
     reader: Reader,
