@@ -6,7 +6,8 @@ use std::path::Path;
 use std::pin::Pin;
 
 use coordinator::lineage::{ExperimentId, OpenError, Reader};
-use coordinator::service::lineage::{LineageService, read_status};
+use coordinator::service::experiments::render_summary;
+use coordinator::service::lineage::{LineageService, OWN, status};
 use hyper_util::rt::TokioIo;
 use proto::v1::experiments_server::{Experiments, ExperimentsServer};
 use proto::v1::lineage_server::LineageServer;
@@ -30,7 +31,7 @@ pub(super) async fn serve(path: &Path) -> Result<Channel, Failure> {
     let once = tokio_stream::once(Ok::<_, std::io::Error>(theirs)).chain(tokio_stream::pending());
     let router = Server::builder()
         .add_service(
-            LineageServer::new(LineageService::new(reader.clone()))
+            LineageServer::new(LineageService::within(reader.clone(), OWN))
                 .max_encoding_message_size(MESSAGE_SIZE_MAX),
         )
         .add_service(ExperimentsServer::new(Stored { reader }).max_encoding_message_size(MESSAGE_SIZE_MAX));
@@ -62,14 +63,15 @@ fn refusal(error: OpenError) -> Failure {
 
 /// The `Experiments` service as far as a file can answer: what there is, and how far it was when last
 /// written.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 struct Stored {
     reader: Reader,
 }
 
 impl Stored {
-    async fn summary(&self, id: ExperimentId) -> Result<v1::Experiment, Status> {
-        self.reader.summary(id).await.map_err(|error| read_status(&error))
+    async fn summaries(&self, of: Option<&[ExperimentId]>) -> Result<Vec<v1::Experiment>, Status> {
+        let summaries = self.reader.summaries(of).await.map_err(status)?;
+        Ok(summaries.into_iter().map(render_summary).collect())
     }
 }
 
@@ -81,23 +83,15 @@ fn needs_coordinator<T>() -> Result<Response<T>, Status> {
 #[tonic::async_trait]
 impl Experiments for Stored {
     async fn list(&self, _: Request<v1::ListRequest>) -> Result<Response<v1::ListReply>, Status> {
-        let mut experiments = Vec::new();
-        for id in self.reader.every().await.map_err(|error| read_status(&error))? {
-            experiments.push(self.summary(id).await?);
-        }
-        Ok(Response::new(v1::ListReply { experiments }))
+        Ok(Response::new(v1::ListReply { experiments: self.summaries(None).await? }))
     }
 
     async fn get(&self, request: Request<v1::GetRequest>) -> Result<Response<v1::Experiment>, Status> {
-        let reference = request.into_inner().experiment;
-        let ids = self.reader.find(&reference).await.map_err(|error| read_status(&error))?;
-        let [id] = ids[..] else {
-            return Err(Status::invalid_argument(format!(
-                "`{reference}` names {} experiments: name one by its number",
-                ids.len()
-            )));
-        };
-        Ok(Response::new(self.summary(id).await?))
+        let id = self.reader.find_one(&request.into_inner().experiment).await.map_err(status)?;
+        let stored = self.reader.experiment(id).await.map_err(status)?;
+        let summary = self.summaries(Some(&[id])).await?.pop();
+        let summary = summary.ok_or_else(|| Status::not_found(format!("experiment {id} is gone")))?;
+        Ok(Response::new(v1::Experiment { resolved: stored.resolved, ..summary }))
     }
 
     async fn submit(&self, _: Request<v1::SubmitRequest>) -> Result<Response<v1::SubmitReply>, Status> {

@@ -193,17 +193,11 @@ impl v1::experiments_server::Experiments for ExperimentsService {
     }
 
     async fn get(&self, request: Request<v1::GetRequest>) -> Result<Response<v1::Experiment>, Status> {
-        let reference = request.into_inner().experiment;
-        let ids = self.find(&reference).await?;
-        let [id] = ids[..] else {
-            return Err(Status::invalid_argument(format!(
-                "`{reference}` names {} experiments: name one by its number",
-                ids.len()
-            )));
-        };
+        let reader = self.driver.lineage().reader();
+        let id = reader.find_one(&request.into_inner().experiment).await.map_err(status)?;
         let mut rendered = self.render(id).await?;
         let stored =
-            self.driver.lineage().reader().experiment(id).await.map_err(status)?;
+            reader.experiment(id).await.map_err(status)?;
         rendered.resolved = stored.resolved;
         Ok(Response::new(rendered))
     }
@@ -259,7 +253,8 @@ impl v1::experiments_server::Experiments for ExperimentsService {
     }
 }
 
-fn render_summary(summary: Summary) -> v1::Experiment {
+/// An experiment as the lineage has it, for the wire; without its resolved file.
+pub fn render_summary(summary: Summary) -> v1::Experiment {
     v1::Experiment {
         id: summary.id.0,
         name: summary.name,
