@@ -8,7 +8,9 @@
 //! ```
 
 pub mod client;
+pub mod command;
 pub mod hatchery;
+pub mod local;
 pub mod process;
 pub mod programs;
 pub mod samples;
