@@ -1,1 +1,4 @@
 //! coordinator
+
+pub mod lineage;
+pub mod service;

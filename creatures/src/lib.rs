@@ -9,6 +9,7 @@ pub mod outcome;
 pub mod physics;
 pub mod probe;
 pub mod random;
+pub mod walker;
 
 pub use encoding::DecodeError;
 pub use outcome::{Cull, Interim, Outcome, Reason, Status, Verdict};

@@ -1,6 +1,12 @@
 //! The wire: generated messages and services, and the conversions between them and the domain. It decides
 //! nothing.
 
+pub mod convert;
+pub mod refusal;
+
+pub use convert::{ConvertError, TaskHash, task_hash};
+pub use refusal::Refusal;
+
 /// The messages and services of `hatchery.v1`, as the .proto files document them.
 #[allow(missing_docs, clippy::all, unreachable_pub, reason = "generated code")]
 pub mod v1 {
