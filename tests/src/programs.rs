@@ -39,7 +39,9 @@ fn build() -> PathBuf {
     }
     let status = cargo.status().expect("cargo runs these tests, so it can be started");
     assert!(status.success(), "the binaries do not build");
-    // A test binary lies in `target/PROFILE/deps/`.
+    // Tests lie in `target/PROFILE/deps/`, benches in `target/PROFILE/`.
     let own = std::env::current_exe().expect("a running program has a path");
-    own.ancestors().nth(2).expect("a test binary lies two folders deep").to_owned()
+    let folder = own.parent().expect("a program lies in a folder");
+    if folder.ends_with("deps") { folder.parent().expect("deps is a folder of the profile's") } else { folder }
+        .to_owned()
 }

@@ -15,7 +15,7 @@ const ARROWS: [(&str, &[&str]); 8] = [
     ("worker", &["creatures", "proto"]),
     ("cli", &["creatures", "search", "proto", "coordinator", "worker"]),
     ("tests", &["creatures", "search", "proto", "coordinator", "worker"]),
-    ("benches", &["creatures", "search", "proto", "coordinator", "worker"]),
+    ("benches", &["creatures", "search", "proto", "coordinator", "worker", "tests"]),
 ];
 
 /// What a pure crate may depend on: values in, values out. Whoever adds one has made sure that it has no
