@@ -1,0 +1,360 @@
+//! One attachment after another: hello, evaluations in, reports out, until drained or refused. Each is one
+//! loop on the runtime; it never evaluates and never waits for a slot.
+
+use crate::backoff::Backoff;
+use crate::config::Config;
+use crate::reports::{Attempt, Evaluation, Failure, News, Report};
+use crate::slots::Slots;
+use crate::tasks::{Tasks, chain};
+use crate::window::{Account, is_news};
+use bytes::Bytes;
+use creatures::Cull;
+use proto::v1::coordinator_message::Kind as Incoming;
+use proto::v1::fleet_client::FleetClient;
+use proto::v1::worker_message::Kind as Outgoing;
+use proto::{MESSAGE_SIZE_MAX, PROTOCOL, TaskHash, refusal, v1};
+use std::collections::VecDeque;
+use std::io;
+use std::pin::{Pin, pin};
+use std::time::Duration;
+use tokio::sync::mpsc;
+use tokio::time::{MissedTickBehavior, interval, sleep, timeout};
+use tokio_stream::wrappers::ReceiverStream;
+use tonic::{Status, Streaming};
+
+/// From the first packet to the welcome.
+const ATTACH_TIMEOUT: Duration = Duration::from_secs(10);
+/// For the coordinator to read the last reports of a worker that leaves.
+const CLOSE_TIMEOUT: Duration = Duration::from_secs(5);
+/// Reports in one message: at their size limits they stay within that of a message.
+const REPORTS_MAX: usize = 1024;
+/// Messages on their way to the socket.
+const OUTGOING_MAX: usize = 16;
+
+/// Why a worker ended before it was asked to.
+#[derive(Debug, thiserror::Error)]
+pub enum WorkerError {
+    /// The coordinator refuses this worker and would do so again.
+    #[error("coordinator {coordinator} refuses this worker ({}): {worker}", .status.message())]
+    Refused {
+        /// Its address.
+        coordinator: String,
+        /// What this worker said of itself.
+        worker: String,
+        /// Its answer.
+        status: Box<Status>,
+    },
+    /// A slot's thread could not be started.
+    #[error("cannot start the thread of a slot")]
+    Thread(#[source] io::Error),
+}
+
+/// Attaches to the coordinator, and again whenever the stream breaks, and evaluates, until `shutdown`
+/// completes: then takes nothing new, gives back what has not begun, finishes and reports what runs, and
+/// returns. Without a coordinator at that moment it returns at once; what it held can be evaluated again.
+///
+/// # Errors
+/// When the coordinator refuses this worker for good.
+pub async fn run(config: Config, shutdown: impl Future<Output = ()>) -> Result<(), WorkerError> {
+    let slots = Slots::start(config.slots).map_err(WorkerError::Thread)?;
+    let mut shutdown = pin!(shutdown);
+    let mut backoff = Backoff::new();
+    let mut lineage = Bytes::new();
+    loop {
+        let end = tokio::select! {
+            () = &mut shutdown => return Ok(()),
+            attached = attach(&config, &slots, &mut lineage) => match attached {
+                Ok(session) => {
+                    backoff.reset();
+                    session.work(&slots, shutdown.as_mut()).await
+                }
+                Err(end) => end,
+            }
+        };
+        match end {
+            End::Drained => return Ok(()),
+            End::Refused(status) => return Err(refused(&config, status)),
+            End::Lost(reason) => tracing::warn!(coordinator = %config.coordinator.uri(), "{reason}"),
+        }
+        slots.recall();
+        tokio::select! {
+            () = &mut shutdown => return Ok(()),
+            () = sleep(backoff.wait()) => {}
+        }
+    }
+}
+
+fn refused(config: &Config, status: Box<Status>) -> WorkerError {
+    let fingerprint: String = config.fingerprint.iter().map(|byte| format!("{byte:02x}")).collect();
+    let Config { name, version, .. } = config;
+    WorkerError::Refused {
+        coordinator: config.coordinator.uri().to_string(),
+        worker: format!("worker `{name}`, version {version}, protocol {PROTOCOL}, fingerprint {fingerprint}"),
+        status,
+    }
+}
+
+/// How an attachment ended.
+enum End {
+    /// As asked: everything is reported, or nobody is there to report to.
+    Drained,
+    /// The coordinator would say the same again.
+    Refused(Box<Status>),
+    /// Anything that another attachment may mend.
+    Lost(String),
+}
+
+impl From<Status> for End {
+    fn from(status: Status) -> Self {
+        if refusal::is_lasting(&status) {
+            return End::Refused(Box::new(status));
+        }
+        End::Lost(format!("attachment lost: {:?}: {}", status.code(), status.message()))
+    }
+}
+
+/// Says hello and waits for the welcome. What is held for another lineage than the welcome's is thrown away.
+async fn attach(config: &Config, slots: &Slots, lineage: &mut Bytes) -> Result<Session, End> {
+    let endpoint = config
+        .coordinator
+        .clone()
+        .connect_timeout(ATTACH_TIMEOUT)
+        .tcp_nodelay(true)
+        .max_frame_size(128 << 10)
+        .http2_keep_alive_interval(Duration::from_secs(5))
+        .keep_alive_timeout(Duration::from_secs(10))
+        .keep_alive_while_idle(true);
+    let hello = async {
+        let channel = endpoint.connect().await.map_err(|error| End::Lost(chain(&error)))?;
+        let mut client = FleetClient::new(channel)
+            .max_decoding_message_size(MESSAGE_SIZE_MAX)
+            .max_encoding_message_size(MESSAGE_SIZE_MAX);
+        let window = slots.window();
+        let hello = v1::Hello {
+            protocol: PROTOCOL,
+            name: config.name.clone(),
+            host: config.host.clone(),
+            slots: config.slots as u32,
+            version: config.version.clone(),
+            fingerprint: Bytes::copy_from_slice(&config.fingerprint),
+            window,
+            lineage: lineage.clone(),
+            holding: slots.holding().into_iter().map(Into::into).collect(),
+        };
+        let (sender, receiver) = mpsc::channel(OUTGOING_MAX);
+        sender.try_send(message(Outgoing::Hello(hello))).expect("a new channel has room for a message");
+        let mut incoming = client.attach(ReceiverStream::new(receiver)).await?.into_inner();
+        match incoming.message().await?.and_then(|message| message.kind) {
+            Some(Incoming::Welcome(welcome)) => Ok((welcome, window, sender, incoming)),
+            Some(Incoming::Goodbye(goodbye)) => Err(going_away(&goodbye)),
+            _ => Err(End::Lost("the coordinator did not say welcome".to_owned())),
+        }
+    };
+    let (welcome, window, sender, incoming) = timeout(ATTACH_TIMEOUT, hello)
+        .await
+        .unwrap_or_else(|_| Err(End::Lost(format!("no welcome within {ATTACH_TIMEOUT:?}"))))?;
+    if welcome.lineage != *lineage {
+        slots.forget();
+        *lineage = Bytes::copy_from_slice(&welcome.lineage);
+    }
+    tracing::info!(coordinator = %config.coordinator.uri(), worker = welcome.worker, "attached");
+    Ok(Session {
+        sender,
+        incoming,
+        outgoing: VecDeque::new(),
+        // Half the interval: the promise is one within each.
+        heartbeat: Duration::from_millis(u64::from(welcome.heartbeat_ms / 2).max(1)),
+        window,
+        account: Account { window_max: window, ..Account::default() },
+        tasks: Tasks::new(config.systems),
+        draining: false,
+    })
+}
+
+fn message(kind: Outgoing) -> v1::WorkerMessage {
+    v1::WorkerMessage { kind: Some(kind) }
+}
+
+fn going_away(goodbye: &v1::Goodbye) -> End {
+    End::Lost(format!("the coordinator goes away: {}", goodbye.reason))
+}
+
+/// What a session has to react to.
+enum Event {
+    Incoming(Result<Option<v1::CoordinatorMessage>, Status>),
+    /// There is room to send a message, or there will be none any more.
+    Room(bool),
+    Stirred,
+    Beat,
+    Shutdown,
+}
+
+/// One attachment.
+struct Session {
+    sender: mpsc::Sender<v1::WorkerMessage>,
+    incoming: Streaming<v1::CoordinatorMessage>,
+    /// What goes out before any report.
+    outgoing: VecDeque<Outgoing>,
+    heartbeat: Duration,
+    window: u32, // as announced
+    account: Account,
+    tasks: Tasks,
+    draining: bool,
+}
+
+impl Session {
+    /// Works until the stream ends, or until drained.
+    async fn work(mut self, slots: &Slots, mut shutdown: Pin<&mut impl Future<Output = ()>>) -> End {
+        let mut beat = interval(self.heartbeat);
+        beat.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        let mut stirred = true; // reports may have been held from before
+        loop {
+            if self.draining && self.outgoing.is_empty() && slots.are_idle() {
+                return self.close().await;
+            }
+            // Once the sending half has closed, the reason is about to come in.
+            let sends = (stirred || !self.outgoing.is_empty()) && !self.sender.is_closed();
+            let event = tokio::select! {
+                message = self.incoming.message() => Event::Incoming(message),
+                room = self.sender.reserve(), if sends => Event::Room(room.is_ok()),
+                () = slots.stirred(), if !stirred => Event::Stirred,
+                _ = beat.tick() => Event::Beat,
+                () = &mut shutdown, if !self.draining => Event::Shutdown,
+            };
+            match event {
+                Event::Incoming(message) => match self.take(message, slots) {
+                    Ok(()) => {}
+                    Err(End::Lost(reason)) if self.draining => {
+                        tracing::warn!("{reason}; what was not reported will be evaluated elsewhere");
+                        return End::Drained;
+                    }
+                    Err(end) => return end,
+                },
+                Event::Room(false) => {}
+                Event::Room(true) => match self.outgoing.pop_front() {
+                    Some(kind) => self.send(kind),
+                    None => stirred = self.report(slots),
+                },
+                Event::Stirred => stirred = true,
+                Event::Beat if self.outgoing.is_empty() => {
+                    self.outgoing.push_back(Outgoing::Heartbeat(v1::Heartbeat {}));
+                }
+                Event::Beat => {}
+                Event::Shutdown => {
+                    tracing::info!("draining");
+                    self.draining = true;
+                    self.give_back(slots);
+                }
+            }
+        }
+    }
+
+    /// Sends a message for which there is room. If the stream has ended meanwhile, its end is about to come
+    /// in, and whatever may not have arrived is sent again on the next one.
+    fn send(&self, kind: Outgoing) {
+        let _ = self.sender.try_send(message(kind));
+    }
+
+    /// Sends the reports that wait. True if there are more.
+    fn report(&mut self, slots: &Slots) -> bool {
+        let (reports, window) = slots.take_reports(REPORTS_MAX);
+        let more = reports.len() == REPORTS_MAX;
+        if !reports.is_empty() {
+            let reports = reports.into_iter().map(Into::into).collect();
+            self.send(Outgoing::Reports(v1::Reports { reports }));
+        }
+        self.adapt(window);
+        more
+    }
+
+    /// Announces a window that differs enough from the last one.
+    fn adapt(&mut self, window: u32) {
+        if !self.draining && is_news(self.window, window) {
+            self.window = window;
+            self.account.window_max = self.account.window_max.max(window);
+            self.outgoing.push_back(Outgoing::Window(v1::Window { evaluations: window }));
+        }
+    }
+
+    /// Returns what has not begun.
+    fn give_back(&mut self, slots: &Slots) {
+        let returned: Vec<_> = slots.withdraw().into_iter().map(Into::into).collect();
+        self.account.released += returned.len() as u64;
+        self.outgoing.push_back(Outgoing::Drain(v1::Drain { returned }));
+    }
+
+    /// Takes in what came off the stream.
+    fn take(
+        &mut self,
+        message: Result<Option<v1::CoordinatorMessage>, Status>,
+        slots: &Slots,
+    ) -> Result<(), End> {
+        let Some(message) = message? else {
+            return Err(End::Lost("the coordinator closed the stream".to_owned()));
+        };
+        match message.kind {
+            Some(Incoming::Task(task)) => {
+                let hash = task.verified().map_err(|error| End::Lost(format!("task: {error}")))?;
+                self.tasks.learn(hash, task).map_err(End::Lost)
+            }
+            Some(Incoming::Batch(batch)) => self.queue(batch, slots),
+            Some(Incoming::Revoke(revoke)) => {
+                self.account.released += revoke.attempts.len() as u64;
+                slots.revoke(&revoke.attempts.into_iter().map(Into::into).collect());
+                Ok(())
+            }
+            Some(Incoming::Goodbye(goodbye)) => Err(going_away(&goodbye)),
+            Some(Incoming::Welcome(_)) => Err(End::Lost("the coordinator said welcome twice".to_owned())),
+            None => Err(End::Lost("the coordinator sent a message of an unknown kind".to_owned())),
+        }
+    }
+
+    /// Queues a batch. What cannot be evaluated is reported as failed.
+    fn queue(&mut self, batch: v1::Batch, slots: &Slots) -> Result<(), End> {
+        self.account.assigned += batch.assignments.len() as u64;
+        slots.confirm(self.account.confirmed());
+        let mut evaluations = Vec::with_capacity(batch.assignments.len());
+        for assignment in batch.assignments {
+            let attempt = assignment.attempt.map(Attempt::from);
+            let attempt = attempt.ok_or_else(|| End::Lost("an assignment names no attempt".to_owned()))?;
+            match evaluation(attempt, assignment, &mut self.tasks) {
+                Ok(evaluation) => evaluations.push(evaluation),
+                Err(failure) => {
+                    slots.report(Report { attempt, seconds: 0.0, news: News::Failure(failure) });
+                }
+            }
+        }
+        slots.offer(evaluations);
+        if self.draining {
+            self.give_back(slots); // it had been sent before the drain was read
+        }
+        Ok(())
+    }
+
+    /// Hangs up, and waits until the coordinator has read all and does the same.
+    async fn close(self) -> End {
+        let Session { sender, mut incoming, .. } = self;
+        drop(sender);
+        let end = timeout(CLOSE_TIMEOUT, async { while let Ok(Some(_)) = incoming.message().await {} });
+        if end.await.is_err() {
+            tracing::warn!("the coordinator did not take leave within {CLOSE_TIMEOUT:?}");
+        }
+        End::Drained
+    }
+}
+
+/// Reads an assignment.
+fn evaluation(
+    attempt: Attempt,
+    assignment: v1::Assignment,
+    tasks: &mut Tasks,
+) -> Result<Evaluation, Failure> {
+    let malformed = |error| Failure { reason: format!("assignment: {error}"), last: true };
+    let task = tasks.find(TaskHash::try_from(&assignment.task).map_err(malformed)?)?;
+    let cull = assignment.cull.map(Cull::try_from).transpose();
+    let cull = cull.map_err(|error| malformed(error.within("cull")))?;
+    Ok(Evaluation { attempt, task, genotype: assignment.genotype, seed: assignment.seed, cull })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,245 @@
+//! Slots: plain threads that evaluate one after another from one queue, in its order, behind one lock.
+//! They know no stream; whoever holds one feeds the queue and takes the reports.
+
+use crate::reports::{Attempt, Evaluation, Failure, News, Outbox, Report};
+use crate::tasks::{chain, words};
+use crate::window::Pace;
+use std::collections::{BTreeSet, VecDeque};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard};
+use std::time::Instant;
+use std::{io, thread};
+use tokio::sync::Notify;
+
+/// The slots of this worker. Dropped, they finish what they run and end.
+pub(crate) struct Slots {
+    count: usize,
+    shared: Arc<Shared>,
+}
+
+struct Shared {
+    state: Mutex<State>,
+    /// Signalled when the queue has grown and a slot waits.
+    work: Condvar,
+    /// Signalled when something happened after nothing had: a first report waits, or the last slot is idle.
+    stirred: Notify,
+}
+
+struct State {
+    queue: VecDeque<Evaluation>,
+    running: Vec<Option<Running>>, // (slots)
+    outbox: Outbox,
+    pace: Pace,
+    waiting_slots: usize,
+    closed: bool,
+}
+
+#[derive(Clone, Copy)]
+struct Running {
+    attempt: Attempt,
+    /// Whether anybody waits for its reports.
+    wanted: bool,
+}
+
+impl Slots {
+    /// Starts the threads.
+    ///
+    /// # Errors
+    /// When the system refuses one.
+    pub(crate) fn start(count: usize) -> io::Result<Self> {
+        let state = State {
+            queue: VecDeque::new(),
+            running: vec![None; count],
+            outbox: Outbox::default(),
+            pace: Pace::default(),
+            waiting_slots: 0,
+            closed: false,
+        };
+        let shared = Shared { state: Mutex::new(state), work: Condvar::new(), stirred: Notify::new() };
+        let slots = Slots { count, shared: Arc::new(shared) };
+        for slot in 0..count {
+            let shared = Arc::clone(&slots.shared);
+            thread::Builder::new().name(format!("slot-{slot}")).spawn(move || shared.run(slot))?;
+        }
+        Ok(slots)
+    }
+
+    /// Queues evaluations behind those that are there.
+    pub(crate) fn offer(&self, evaluations: Vec<Evaluation>) {
+        let count = evaluations.len();
+        let mut state = self.shared.lock();
+        state.queue.extend(evaluations);
+        let waiting = state.waiting_slots;
+        drop(state);
+        if waiting <= count {
+            self.shared.work.notify_all();
+        } else {
+            (0..count).for_each(|_| self.shared.work.notify_one());
+        }
+    }
+
+    /// Adds a report of an evaluation that never got to a slot.
+    pub(crate) fn report(&self, report: Report) {
+        if self.shared.lock().outbox.push(report) {
+            self.shared.stirred.notify_one();
+        }
+    }
+
+    /// Returns when a report may be waiting, or all slots may have become idle.
+    pub(crate) async fn stirred(&self) {
+        self.shared.stirred.notified().await;
+    }
+
+    /// The next reports to send, `count_max` at most, and the window that the pace asks for.
+    pub(crate) fn take_reports(&self, count_max: usize) -> (Vec<Report>, u32) {
+        let mut state = self.shared.lock();
+        (state.outbox.take(count_max), state.pace.window(self.count))
+    }
+
+    /// The window that the pace asks for.
+    pub(crate) fn window(&self) -> u32 {
+        self.shared.lock().pace.window(self.count)
+    }
+
+    /// The first `count` reports of this stream that ended an attempt have arrived.
+    pub(crate) fn confirm(&self, count: u64) {
+        self.shared.lock().outbox.confirm(count);
+    }
+
+    /// The stream is gone: drops what has not begun and makes ready to send again what may not have arrived.
+    pub(crate) fn recall(&self) {
+        let mut state = self.shared.lock();
+        state.queue.clear();
+        state.outbox.recall();
+    }
+
+    /// Attempts whose reports are held here, and then those that run, each once.
+    pub(crate) fn holding(&self) -> Vec<Attempt> {
+        let state = self.shared.lock();
+        let running = state.running.iter().flatten().filter(|running| running.wanted);
+        state.outbox.ended().chain(running.map(|running| running.attempt)).collect()
+    }
+
+    /// Nobody needs these any more: they are dropped if not begun, and go unreported.
+    pub(crate) fn revoke(&self, attempts: &BTreeSet<Attempt>) {
+        let mut state = self.shared.lock();
+        state.queue.retain(|evaluation| !attempts.contains(&evaluation.attempt));
+        for running in state.running.iter_mut().flatten() {
+            running.wanted &= !attempts.contains(&running.attempt);
+        }
+        attempts.iter().for_each(|attempt| state.outbox.drop_attempt(*attempt));
+    }
+
+    /// Takes back what has not begun.
+    pub(crate) fn withdraw(&self) -> Vec<Attempt> {
+        self.shared.lock().queue.drain(..).map(|evaluation| evaluation.attempt).collect()
+    }
+
+    /// Throws away all reports, those of running evaluations included.
+    pub(crate) fn forget(&self) {
+        let mut state = self.shared.lock();
+        state.queue.clear();
+        state.outbox.clear();
+        state.running.iter_mut().flatten().for_each(|running| running.wanted = false);
+    }
+
+    /// Whether nothing is queued, nothing wanted runs and no report waits.
+    pub(crate) fn are_idle(&self) -> bool {
+        self.shared.lock().is_idle()
+    }
+}
+
+impl Drop for Slots {
+    fn drop(&mut self) {
+        let mut state = self.shared.lock();
+        state.closed = true;
+        state.queue.clear();
+        drop(state);
+        self.shared.work.notify_all();
+    }
+}
+
+impl State {
+    /// Takes a slot's last report. True if it is worth waking somebody for.
+    fn hand_in(&mut self, slot: usize, report: Report) -> bool {
+        self.pace.observe(report.seconds);
+        match self.running[slot].take() {
+            Some(running) if running.wanted => self.outbox.push(report),
+            _ => self.is_idle(),
+        }
+    }
+
+    fn is_idle(&self) -> bool {
+        let wanted = self.running.iter().flatten().any(|running| running.wanted);
+        self.queue.is_empty() && self.outbox.is_empty() && !wanted
+    }
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().expect("nothing panics while it holds this lock")
+    }
+
+    /// A slot's whole life.
+    fn run(&self, slot: usize) {
+        let mut ended = None;
+        while let Some(evaluation) = self.next(slot, ended) {
+            let start = Instant::now();
+            let news = live(&evaluation, &mut |interim| {
+                let seconds = start.elapsed().as_secs_f64();
+                self.tell(
+                    slot,
+                    Report { attempt: evaluation.attempt, seconds, news: News::Interim(interim) },
+                );
+            });
+            let seconds = start.elapsed().as_secs_f64();
+            ended = Some(Report { attempt: evaluation.attempt, seconds, news });
+        }
+    }
+
+    fn tell(&self, slot: usize, report: Report) {
+        let mut state = self.lock();
+        let wanted = state.running[slot].is_some_and(|running| running.wanted);
+        if wanted && state.outbox.push(report) {
+            drop(state);
+            self.stirred.notify_one();
+        }
+    }
+
+    /// Hands in a slot's last report and waits for its next evaluation, with one locking for both where
+    /// there is work. `None`: the worker ends.
+    fn next(&self, slot: usize, ended: Option<Report>) -> Option<Evaluation> {
+        let mut state = self.lock();
+        if let Some(report) = ended
+            && state.hand_in(slot, report)
+        {
+            self.stirred.notify_one();
+        }
+        loop {
+            if state.closed {
+                return None;
+            }
+            if let Some(evaluation) = state.queue.pop_front() {
+                state.running[slot] = Some(Running { attempt: evaluation.attempt, wanted: true });
+                return Some(evaluation);
+            }
+            state.waiting_slots += 1;
+            state = self.work.wait(state).expect("nothing panics while it holds this lock");
+            state.waiting_slots -= 1;
+        }
+    }
+}
+
+/// Lives one genotype. Whatever goes wrong is told, never passed on: a panic costs its evaluation alone.
+fn live(evaluation: &Evaluation, on_interim: &mut dyn FnMut(creatures::Interim)) -> News {
+    let Evaluation { task, genotype, seed, cull, .. } = evaluation;
+    let failure = |reason, last| News::Failure(Failure { reason, last });
+    match catch_unwind(AssertUnwindSafe(|| task.evaluate(genotype, *seed, cull.as_ref(), on_interim))) {
+        Ok(Ok(outcome)) => match proto::convert::admissible(&outcome) {
+            Ok(()) => News::Outcome(outcome),
+            Err(error) => failure(format!("outcome: {error}"), true),
+        },
+        Ok(Err(error)) => failure(chain(&error), true),
+        Err(panic) => failure(format!("evaluation panicked: {}", words(&*panic)), false),
+    }
+}
