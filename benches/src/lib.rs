@@ -2,5 +2,6 @@
 //! are in `benches/peers/`.
 
 pub mod commands;
+pub mod processes;
 pub mod rapier;
 pub mod report;

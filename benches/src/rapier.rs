@@ -31,7 +31,7 @@ impl Walker {
         // The bodies are 0.1 m in size: the engine's tolerances are meant for metres.
         parameters.length_unit = 0.1;
         parameters.max_ccd_substeps = 0;
-        let ground = ColliderBuilder::halfspace(Vector::Z)
+        let ground = ColliderBuilder::new(SharedShape::halfspace(Vector::Z))
             .friction(GROUND)
             .friction_combine_rule(CoefficientCombineRule::Min)
             .collision_groups(InteractionGroups::new(Group::GROUP_1, Group::GROUP_2, InteractionTestMode::And));

@@ -91,6 +91,26 @@ fn a_coordinator_that_is_told_to_stop_commits_and_goes_on_later() {
 }
 
 #[test]
+fn a_worker_of_other_physics_or_another_release_is_refused_with_both_shown() {
+    let mut hatchery = Hatchery::new();
+    let hexadecimal = |bytes: [u8; 32]| bytes[..4].iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+    let ours = creatures::fingerprint();
+    let mut theirs = ours;
+    theirs[0] ^= 1;
+    hatchery.join_as("foreign", "fragile-worker", &["--foreign-physics"]);
+    assert_eq!(hatchery.worker("foreign").wait(Duration::from_secs(20)).code(), Some(1));
+    let said = hatchery.worker("foreign").log();
+    for fingerprint in [ours, theirs] {
+        assert!(said.contains(&hexadecimal(fingerprint)), "{said}");
+    }
+    hatchery.join_as("old", "fragile-worker", &["--release", "0.0.1"]);
+    assert_eq!(hatchery.worker("old").wait(Duration::from_secs(20)).code(), Some(1));
+    let said = hatchery.worker("old").log();
+    assert!(said.contains("0.0.1") && said.contains(env!("CARGO_PKG_VERSION")), "{said}");
+    assert!(hatchery.client().workers().iter().all(|worker| worker.state != "attached"));
+}
+
+#[test]
 fn a_second_coordinator_on_the_same_lineage_is_refused() {
     let hatchery = Hatchery::new();
     let mut command = std::process::Command::new(hatchery_tests::programs::program("hatchery-coordinator"));
