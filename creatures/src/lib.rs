@@ -15,8 +15,8 @@ pub use encoding::DecodeError;
 pub use outcome::{Cull, Interim, Outcome, Reason, Status, Verdict};
 
 /// Every published system, by name.
-pub fn systems() -> [&'static dyn System; 1] {
-    [&probe::Probe]
+pub fn systems() -> [&'static dyn System; 2] {
+    [&probe::Probe, &walker::Walker]
 }
 
 /// The system of a name.

@@ -12,17 +12,11 @@ use serde::{Deserialize, Serialize};
 pub struct Probe;
 
 /// The `[task]` table of a probe experiment.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ProbeTask {
     /// BLAKE3 compressions an evaluation, about 0.1 microseconds each; 0 is a no-op.
     pub work: u32,
-}
-
-impl Default for ProbeTask {
-    fn default() -> Self {
-        ProbeTask { work: 0 }
-    }
 }
 
 impl System for Probe {

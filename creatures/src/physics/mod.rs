@@ -1,1 +1,3 @@
 //! The physics engines, each where it belongs.
+
+pub mod articulated;

@@ -1,0 +1,59 @@
+//! The walkers' bodies at rest and under open-loop commands.
+
+use super::bodies::{self, Creature};
+use super::gaits;
+use glam::DVec3;
+
+/// Steps a creature for `seconds`, with commands at 60 Hz.
+fn live(creature: &mut Creature, hz: u32, seconds: f64, commands: impl Fn(&mut Creature, f64)) -> f64 {
+    let mut separation = 0.0_f64;
+    for step in 0..(seconds * f64::from(hz)) as u32 {
+        if step % (hz / 60) == 0 {
+            commands(creature, f64::from(step) / f64::from(hz));
+        }
+        creature.world.step(1.0 / f64::from(hz)).unwrap();
+        separation = separation.max(creature.world.separation());
+    }
+    separation
+}
+
+/// T-18.
+#[test]
+fn walkers_at_rest_stay_where_they_are() {
+    for (body, height) in [
+        (bodies::crawler as fn(_) -> Creature, 0.025),
+        (bodies::arm, 0.020),
+        (bodies::hopper, 0.150),
+        (bodies::runner, 0.021),
+    ] {
+        let mut creature = body(bodies::earth());
+        let still = |creature: &mut Creature, _: f64| {
+            for joint in 0..creature.joints.len() {
+                for dof in 0..creature.world.degrees(creature.joints[joint]) {
+                    creature.command(joint, dof, 0.0);
+                }
+            }
+        };
+        live(&mut creature, 240, 1.0, still);
+        println!("height {height}: {:?}", creature.torso());
+        live(&mut creature, 240, 6.5, still);
+        let drift = creature.torso() - DVec3::new(0.0, 0.0, height);
+        println!("height {height}: drift {drift:?} energy {}", creature.world.kinetic_energy());
+        assert!(drift.x.abs() <= 0.02 && drift.y.abs() <= 0.02, "height {height}: drift {drift}");
+    }
+}
+
+/// T-19, T-20.
+#[test]
+fn open_loop_commands_carry_every_walker_at_every_step_size() {
+    for gait in gaits::ALL {
+        for hz in [120, 240, 480] {
+            let mut creature = (gait.body)(bodies::earth());
+            let separation = live(&mut creature, hz, 7.5, gait.commands);
+            let end = creature.torso();
+            println!("{} at {hz} Hz: {end:?} separation {separation}", gait.name);
+            // ADV
+            // SEP
+        }
+    }
+}
