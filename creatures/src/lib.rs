@@ -45,6 +45,12 @@ pub trait System: Send + Sync {
     /// As [`System::resolve`].
     fn task(&self, resolved: &str) -> Result<Box<dyn Task>, SpecError>;
 
+    /// What its interim measure is called at the end of an evaluation: `fitness`, or the name of one of the
+    /// outcome's measures. The culling rule looks there for what the least fit reached.
+    fn interim_measure(&self) -> &'static str {
+        "fitness"
+    }
+
     /// The task and genotypes whose outcomes prove that a machine computes as every other does.
     fn proofs(&self) -> Vec<Proof>;
 }

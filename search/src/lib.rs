@@ -1,8 +1,23 @@
 //! What is asked next. A search is asked for a generation and told its outcomes; it knows nothing of
 //! workers, SQL or gRPC. Pure: no I/O, no async, no clock, no thread, no hash order.
 
+pub mod checkpoint;
+pub mod culling;
+pub mod experiment;
+pub mod grn;
+pub mod hash;
+mod inheritance;
+pub mod neat;
 pub mod place;
+pub mod probe;
+pub mod registry;
+pub mod selection;
+mod settings;
 
+pub use checkpoint::RestoreError;
+pub use culling::Culling;
+pub use experiment::{Experiment, Overrides, Problem};
+pub use hash::{HashRow, LineageHasher};
 pub use place::Place;
 
 use creatures::Outcome;
@@ -39,7 +54,8 @@ pub struct Individual {
     /// What people ask about (regulatory proteins, hidden nodes, species): a flat JSON object.
     pub traits: serde_json::Value,
     /// Equal genotype at an evaluated place, whose outcome it takes over without an evaluation. Either in
-    /// the previous generation or earlier in this one.
+    /// the previous generation or earlier in this one, and never at a place that inherits from its own
+    /// generation. An individual that was set aside hands that on as well.
     pub inherits: Option<Place>,
 }
 

@@ -1,0 +1,102 @@
+//! Every kind of search, by name: which system it fits, how its table is read, how it starts and goes on.
+//! A new search is one line here. It runs nothing.
+
+use crate::checkpoint::RestoreError;
+use crate::{Search, grn, neat, probe};
+use creatures::SpecError;
+use serde_json::Value;
+use std::fmt;
+
+/// A search ready to start: its resolved settings.
+pub trait Plan: fmt::Debug + Send + Sync {
+    /// The `[search]` table with every default filled in.
+    fn table(&self) -> Value;
+
+    /// Individuals a generation.
+    fn population(&self) -> u32;
+
+    /// Generations of the stage.
+    fn generations(&self) -> u32;
+
+    /// The search at its beginning.
+    fn start(&self, seed: u64, stage: u32) -> Box<dyn Search>;
+
+    /// The search at a checkpoint of it, with the seed and stage with which it was started.
+    ///
+    /// # Errors
+    /// Bytes that are no checkpoint of this search.
+    fn restore(&self, seed: u64, stage: u32, bytes: &[u8]) -> Result<Box<dyn Search>, RestoreError>;
+}
+
+/// One kind of search.
+#[derive(Debug)]
+pub struct Kind {
+    /// Its name: `search.kind`.
+    pub name: &'static str,
+    /// The system whose genotypes it varies.
+    pub system: &'static str,
+    /// Independent repetitions where the experiment does not say.
+    pub runs: u32,
+    read: fn(table: Value, task: &Value) -> Result<Box<dyn Plan>, SpecError>,
+}
+
+/// Every kind.
+pub static KINDS: [Kind; 3] = [
+    Kind {
+        name: grn::KIND,
+        system: "walker",
+        runs: 20,
+        read: |table, task| Ok(Box::new(grn::Settings::read(table, task)?)),
+    },
+    Kind {
+        name: neat::KIND,
+        system: "walker",
+        runs: 20,
+        read: |table, task| Ok(Box::new(neat::Settings::read(table, task)?)),
+    },
+    Kind {
+        name: probe::KIND,
+        system: "probe",
+        runs: 1,
+        read: |table, _| Ok(Box::new(probe::Settings::read(table)?)),
+    },
+];
+
+/// The kind that a `[search]` table names.
+///
+/// # Errors
+/// No kind, an unknown one, or one that does not fit the system; each says which ones do.
+pub fn kind(table: &Value, system: &str) -> Result<&'static Kind, SpecError> {
+    let fitting: Vec<String> =
+        KINDS.iter().filter(|kind| kind.system == system).map(|kind| format!("`{}`", kind.name)).collect();
+    let fitting = fitting.join(", ");
+    let name = match table.get("kind") {
+        Some(Value::String(name)) => name,
+        Some(other) => {
+            let problem = format!("{other} is no kind of search; system `{system}` has {fitting}");
+            return Err(SpecError::new("kind", problem));
+        }
+        None => {
+            let problem = format!("is missing; system `{system}` has {fitting}");
+            return Err(SpecError::new("kind", problem));
+        }
+    };
+    match KINDS.iter().find(|kind| kind.name == name) {
+        Some(kind) if kind.system == system => Ok(kind),
+        Some(kind) => {
+            let problem = format!("`{name}` fits system `{}`; system `{system}` has {fitting}", kind.system);
+            Err(SpecError::new("kind", problem))
+        }
+        None => Err(SpecError::new("kind", format!("unknown variant `{name}`, expected one of {fitting}"))),
+    }
+}
+
+impl Kind {
+    /// Reads a `[search]` table for a resolved task.
+    ///
+    /// # Errors
+    /// An unknown key, a wrong type or a value out of range, with the path of the key.
+    pub fn plan(&self, table: Value, task: &Value) -> Result<Box<dyn Plan>, SpecError> {
+        (self.read)(table, task)
+    }
+}
