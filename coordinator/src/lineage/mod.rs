@@ -2,10 +2,29 @@
 //! people open while it is written. One writer, many readers. It decides nothing about evolution, opens no
 //! genotype, and waits on no reader.
 
+mod checkpoint;
 mod entry;
 mod error;
+mod fault;
+mod file;
+mod genotype;
 mod id;
+mod outcome;
+mod hash;
+mod individual;
+mod pedigree;
+mod query;
 mod reader;
+mod record;
+mod register;
+mod resume;
+mod sandbox;
+mod sql;
+mod summary;
+mod transaction;
+mod writer;
+#[cfg(test)]
+mod tests;
 
 pub use entry::{
     Attempt, CloseGeneration, Culling, Ending, Evaluated, Event, Fate, Joined, NewExperiment, NewStage,
@@ -13,10 +32,29 @@ pub use entry::{
 };
 pub use error::{OpenError, QueryError, ReadError, WriteError};
 pub use id::{ExperimentId, IndividualId, StageId};
-pub use reader::{Reader, ResumePoint, Standing, StoredExperiment, StoredStage};
+pub use hash::ExperimentHash;
+pub use individual::{Link, Portrait};
+pub use pedigree::Ancestor;
+pub use query::{Answer, Cell, Limits, VIEWS};
+pub use reader::Reader;
+pub use resume::{ResumePoint, Standing, StoredExperiment, StoredStage};
+pub use summary::{RunProgress, Summary};
 
+use creatures::encoding;
+use genotype::Shelf;
+use register::Register;
+use sqlx::ConnectOptions as _;
+use std::collections::BTreeMap;
 use std::path::Path;
-use tokio::sync::watch;
+use std::sync::{Arc, Mutex, OnceLock};
+use tokio::sync::{Semaphore, mpsc, oneshot, watch};
+use tokio::task::JoinHandle;
+use transaction::{Checkpoint, PackedGeneration};
+use writer::{Entry, OUTCOMES_MAX, Queued, Writer};
+
+/// Genotypes kept in memory as dictionaries of the next generation, bytes, over all stages. Beyond it they
+/// are stored in full.
+const SHELVES_MAX: usize = 64 << 20;
 
 /// Whether what is recorded reaches the disk.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,10 +68,23 @@ pub enum Health {
     },
 }
 
-/// The lineage of one coordinator: the one writer of its file. Clones share it.
+/// The lineage of one coordinator: the one writer of its file. Clones share it. When the last one is dropped,
+/// what was recorded is still written; [`Lineage::close`] waits for that.
 #[derive(Clone)]
 pub struct Lineage {
+    shared: Arc<Shared>,
+}
+
+struct Shared {
+    identity: [u8; 16],
     reader: Reader,
+    queue: mpsc::Sender<Queued>,
+    room: Arc<Semaphore>,
+    shelves: Mutex<BTreeMap<StageId, Arc<Shelf>>>,
+    health: watch::Receiver<Health>,
+    closing: watch::Sender<bool>,
+    end: Arc<OnceLock<String>>,
+    writer: Mutex<Option<JoinHandle<Result<(), WriteError>>>>,
 }
 
 impl Lineage {
@@ -43,23 +94,56 @@ impl Lineage {
     /// # Errors
     /// See [`OpenError`]. A file of a newer schema, or no lineage at all, is left untouched.
     pub async fn open(path: &Path) -> Result<Lineage, OpenError> {
-        let _ = path;
-        unimplemented!()
+        file::look(path)?;
+        let lock = file::Lock::take(path)?;
+        let refused = |error: sqlx::Error| file::refused_by_sqlite(path, &error);
+        let options = file::writing(path);
+        let mut connection = options.connect().await.map_err(refused)?;
+        file::migrate(&mut connection, path).await?;
+        let register = Register::load(&mut connection).await.map_err(refused)?;
+        sqlx::query(sql::sql!("workers_gone")).execute(&mut connection).await.map_err(refused)?;
+        let identity: Vec<u8> =
+            sqlx::query_scalar(sql::sql!("identity")).fetch_one(&mut connection).await.map_err(refused)?;
+        let identity = identity.try_into().map_err(|_| OpenError::Corrupt {
+            path: path.to_owned(),
+            problem: "its identity is not 16 bytes long".to_owned(),
+        })?;
+        let reader = Reader::open(path).await?;
+
+        let (queue, entries) = mpsc::channel(1024);
+        let (health, felt) = watch::channel(Health::Good);
+        let (closing, closed) = watch::channel(false);
+        let end = Arc::new(OnceLock::new());
+        let writer = Writer {
+            connection,
+            register,
+            queue: entries,
+            health,
+            closing: closed,
+            end: end.clone(),
+            wal: checkpoint::WalKeeper::start(path, options),
+            lock,
+        };
+        let writer = Mutex::new(Some(tokio::spawn(writer.run())));
+        let room = Arc::new(Semaphore::new(OUTCOMES_MAX));
+        let shelves = Mutex::default();
+        let shared = Shared { identity, reader, queue, room, shelves, health: felt, closing, end, writer };
+        Ok(Lineage { shared: Arc::new(shared) })
     }
 
     /// Drawn when the file was created; workers that come back use it to tell lineages apart.
     pub fn identity(&self) -> [u8; 16] {
-        unimplemented!()
+        self.shared.identity
     }
 
     /// Reads what is committed.
     pub fn reader(&self) -> &Reader {
-        &self.reader
+        &self.shared.reader
     }
 
     /// Whether what is recorded reaches the disk.
     pub fn health(&self) -> watch::Receiver<Health> {
-        unimplemented!()
+        self.shared.health.clone()
     }
 
     /// Writes experiments down as running, all or none, and gives their numbers in order.
@@ -67,21 +151,55 @@ impl Lineage {
     /// # Errors
     /// See [`WriteError`], here and below.
     pub async fn create(&self, experiments: Vec<NewExperiment>) -> Result<Vec<ExperimentId>, WriteError> {
-        let _ = experiments;
-        unimplemented!()
+        let ids = self.answer(Entry::Create(experiments)).await?;
+        Ok(ids.into_iter().map(ExperimentId).collect())
     }
 
     /// Begins a stage of a run.
     pub async fn open_stage(&self, stage: NewStage) -> Result<StageId, WriteError> {
-        let _ = stage;
-        unimplemented!()
+        self.one(Entry::OpenStage(stage)).await.map(StageId)
     }
 
     /// Ends the previous generation of a stage and begins the next, in one transaction with everything
     /// recorded so far. Returns when that is on disk, with the ids of the individuals in order of index.
-    pub async fn open_generation(&self, generation: OpenGeneration) -> Result<Vec<IndividualId>, WriteError> {
-        let _ = generation;
-        unimplemented!()
+    pub async fn open_generation(&self, next: OpenGeneration) -> Result<Vec<IndividualId>, WriteError> {
+        let OpenGeneration { stage, generation, checkpoint, culling, mut individuals, close } = next;
+        if let Some(large) = individuals.iter().find(|one| one.genotype.len() > encoding::SIZE_MAX) {
+            return Err(WriteError::Contradiction {
+                what: format!("open generation {generation} of stage {stage}"),
+                problem: format!("a genotype of {} bytes is over the limit", large.genotype.len()),
+            });
+        }
+        if individuals.is_empty() {
+            return Err(WriteError::Contradiction {
+                what: format!("open generation {generation} of stage {stage}"),
+                problem: "it has no individuals".to_owned(),
+            });
+        }
+        let number = self.shared.reader.stage_number(stage).await.map_err(|error| {
+            WriteError::Contradiction { what: format!("find stage {stage}"), problem: error.to_string() }
+        })?;
+        let size = individuals.len();
+        let shelf = self.shelves().get(&stage).cloned().unwrap_or_default();
+        let packing = tokio::task::spawn_blocking(move || {
+            let (genotypes, next) = genotype::pack(&shelf, number, generation, &mut individuals);
+            (individuals, genotypes, next, frame(&checkpoint))
+        });
+        let (individuals, genotypes, next, checkpoint) =
+            packing.await.expect("packing does not panic, and is not cancelled while its runtime lives");
+        let first = self
+            .one(Entry::OpenGeneration(Box::new(PackedGeneration {
+                stage,
+                generation,
+                checkpoint,
+                culling,
+                individuals,
+                genotypes,
+                close,
+            })))
+            .await?;
+        self.shelve(stage, next);
+        Ok((first..).take(size).map(IndividualId).collect())
     }
 
     /// Ends the last generation of a stage, and with it the stage.
@@ -91,56 +209,105 @@ impl Lineage {
         close: CloseGeneration,
         checkpoint: Vec<u8>,
     ) -> Result<(), WriteError> {
-        let _ = (stage, close, checkpoint);
-        unimplemented!()
+        self.shelves().remove(&stage);
+        self.answer(Entry::CloseStage(stage, close, frame(&checkpoint))).await.map(drop)
     }
 
     /// Takes note of outcomes; they reach the disk soon, in batches, in the order recorded. Waits only while
     /// too many of them are on their way. The first ending of an individual stands: a second one changes
     /// nothing.
     pub async fn record(&self, evaluated: Vec<Evaluated>) -> Result<(), WriteError> {
-        let _ = evaluated;
-        unimplemented!()
+        if evaluated.is_empty() {
+            return Ok(());
+        }
+        let count = u32::try_from(evaluated.len().min(OUTCOMES_MAX)).expect("the limit fits");
+        let room = self.shared.room.clone().acquire_many_owned(count);
+        let permit = room.await.expect("the semaphore is never closed");
+        self.send(Queued { entry: Entry::Record(evaluated, permit), answer: None }).await
     }
 
     /// Returns when everything recorded before is on disk.
     pub async fn flush(&self) -> Result<(), WriteError> {
-        unimplemented!()
+        self.answer(Entry::Flush).await.map(drop)
     }
 
-    /// Sets what an experiment is up to, and why; the reason may be empty.
+    /// Sets what an experiment is up to, and why; the reason may be empty. Returns when that is on disk.
     pub async fn set_state(
         &self,
         experiment: ExperimentId,
         state: State,
         reason: String,
     ) -> Result<(), WriteError> {
-        let _ = (experiment, state, reason);
-        unimplemented!()
+        self.answer(Entry::SetState(experiment, state, reason)).await.map(drop)
     }
 
     /// Writes an event down, soon.
     pub async fn event(&self, event: Event) -> Result<(), WriteError> {
-        let _ = event;
-        unimplemented!()
+        self.send(Queued { entry: Entry::Event(event), answer: None }).await
     }
 
     /// A worker attached: from now on its name in attempts means this one.
     pub async fn worker_joined(&self, worker: Joined) -> Result<(), WriteError> {
-        let _ = worker;
-        unimplemented!()
+        self.send(Queued { entry: Entry::Joined(worker), answer: None }).await
     }
 
     /// A worker went away, and why.
     pub async fn worker_left(&self, name: String, reason: String) -> Result<(), WriteError> {
-        let _ = (name, reason);
-        unimplemented!()
+        self.send(Queued { entry: Entry::Left(name, reason), answer: None }).await
     }
 
     /// Commits everything recorded, tidies the file up and gives it free. Other clones find it closed.
-    pub async fn close(self) {
-        unimplemented!()
+    ///
+    /// # Errors
+    /// When the disk does not take what is left; it is then lost, and will be evaluated again.
+    pub async fn close(self) -> Result<(), WriteError> {
+        let _ = self.shared.closing.send(true); // the writer may be gone
+        let flushed = self.answer(Entry::Close).await.map(drop);
+        let writer = self.shared.writer.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).take();
+        let Some(writer) = writer else { return flushed };
+        self.shared.reader.close().await;
+        writer.await.unwrap_or_else(|_| Err(WriteError::Closed { reason: "the writer died".to_owned() }))
     }
+
+    fn shelves(&self) -> std::sync::MutexGuard<'_, BTreeMap<StageId, Arc<Shelf>>> {
+        // A panic elsewhere leaves the map whole.
+        self.shared.shelves.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+
+    fn shelve(&self, stage: StageId, shelf: Shelf) {
+        let mut shelves = self.shelves();
+        shelves.remove(&stage);
+        let bytes: usize = shelves.values().map(|shelf| shelf.bytes()).sum();
+        if bytes + shelf.bytes() <= SHELVES_MAX {
+            shelves.insert(stage, Arc::new(shelf));
+        }
+    }
+
+    async fn one(&self, entry: Entry) -> Result<u64, WriteError> {
+        let ids = self.answer(entry).await?;
+        Ok(*ids.first().expect("the writer answers this entry with one id"))
+    }
+
+    async fn answer(&self, entry: Entry) -> Result<Vec<u64>, WriteError> {
+        let (answer, waiting) = oneshot::channel();
+        self.send(Queued { entry, answer: Some(answer) }).await?;
+        waiting.await.unwrap_or_else(|_| Err(self.closed()))
+    }
+
+    async fn send(&self, queued: Queued) -> Result<(), WriteError> {
+        self.shared.queue.send(queued).await.map_err(|_| self.closed())
+    }
+
+    fn closed(&self) -> WriteError {
+        let reason = self.shared.end.get().map_or("the writer ended", String::as_str);
+        WriteError::Closed { reason: reason.to_owned() }
+    }
+}
+
+/// A checkpoint as it is stored.
+fn frame(state: &[u8]) -> Checkpoint {
+    let frame = zstd::bulk::compress(state, 3).expect("zstd compresses whatever fits in memory");
+    Checkpoint { size: state.len(), frame }
 }
 
 /// The seed of an individual's evaluation: keyed by its place in its run, so that nobody stores it.

@@ -1,101 +1,30 @@
-//! Reading what is committed, beside the writer or without one. It never writes and never waits for a writer.
+//! Reading what is committed, beside the writer or without one. It never writes, and never waits for a writer.
 
-use super::{ExperimentId, IndividualId, OpenError, ReadError, SetAside, StageId, State};
-use creatures::Outcome;
-use std::path::Path;
+use super::file::{self, Found, beside, reading};
+use super::sql::sql;
+use super::{ExperimentId, OpenError, ReadError};
+use sqlx::sqlite::{SqliteConnectOptions, SqlitePool, SqlitePoolOptions};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use tokio::sync::Semaphore;
+
+/// Connections for questions of our own.
+const CONNECTIONS: u32 = 4;
+
+/// Users' questions answered at once; others wait their turn.
+const QUESTIONS: usize = 4;
 
 /// A reader of a lineage. Clones share its connections.
 #[derive(Clone)]
-pub struct Reader {}
-
-/// An experiment as it stands in the lineage, with all that is needed to take it up again.
-#[derive(Debug, Clone)]
-pub struct StoredExperiment {
-    /// Its number.
-    pub id: ExperimentId,
-    /// Its name, unique.
-    pub name: String,
-    /// The matrix that it is a cell of.
-    pub group: Option<String>,
-    /// Its matrix coordinates: a JSON object.
-    pub cell: serde_json::Value,
-    /// The system's name.
-    pub system: String,
-    /// The system's version.
-    pub system_version: u32,
-    /// The kind of its search.
-    pub search_kind: String,
-    /// The seed of run 1.
-    pub seed: u64,
-    /// Independent repetitions.
-    pub runs: u32,
-    /// JSON text of the resolved task.
-    pub task_json: String,
-    /// The resolved file.
-    pub resolved: String,
-    /// BLAKE3 of the resolved file.
-    pub digest: [u8; 32],
-    /// Published results to compare with.
-    pub published: serde_json::Value,
-    /// The physics fingerprint under which it began.
-    pub fingerprint: [u8; 32],
-    /// What it is up to.
-    pub state: State,
-    /// Why; may be empty.
-    pub reason: String,
-    /// Unix time, ms.
-    pub created_ms: i64,
-    /// Unix time, ms.
-    pub ended_ms: Option<i64>,
-    /// Individuals in all, when the search knows.
-    pub planned: Option<u64>,
-    /// In order of run and stage.
-    pub stages: Vec<StoredStage>,
+pub struct Reader {
+    shared: Arc<Shared>,
 }
 
-/// A stage as it stands in the lineage.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct StoredStage {
-    /// Its row.
-    pub id: StageId,
-    /// Which repetition, from 1.
-    pub run: u32,
-    /// Which stage of the run, from 0.
-    pub stage: u32,
-    /// Its name.
-    pub name: String,
-    /// How many generations it takes, when known.
-    pub generations: Option<u32>,
-    /// True once its last generation has ended.
-    pub ended: bool,
-}
-
-/// Where a stage goes on: its open generation.
-#[derive(Debug, Clone)]
-pub struct ResumePoint {
-    /// Its number.
-    pub generation: u32,
-    /// The search's state before it asked for this generation.
-    pub checkpoint: Vec<u8>,
-    /// The culling rule of this generation.
-    pub culling: Option<super::Culling>,
-    /// In order of index.
-    pub individuals: Vec<Standing>,
-    /// The previous generation of the stage, in order of index; empty for the first.
-    pub previous: Vec<Standing>,
-}
-
-/// How one individual stands.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Standing {
-    /// Its id.
-    pub id: IndividualId,
-    /// Its index in its generation.
-    pub index: u32,
-    /// BLAKE3 of its genotype.
-    pub digest: [u8; 32],
-    /// What became of it; `None` while pending.
-    pub ending: Option<Result<Outcome, SetAside>>,
+struct Shared {
+    path: PathBuf,
+    pool: SqlitePool,
+    options: SqliteConnectOptions,
+    questions: Arc<Semaphore>,
 }
 
 impl Reader {
@@ -104,45 +33,94 @@ impl Reader {
     /// # Errors
     /// As [`super::Lineage::open`], but for who holds it: that does not matter here.
     pub async fn open(path: &Path) -> Result<Reader, OpenError> {
-        let _ = path;
-        unimplemented!()
+        if file::look(path)? == Found::Nothing {
+            return Err(OpenError::Missing { path: path.to_owned() });
+        }
+        let options = reading(path, false);
+        let (options, pool) = match connect(&options).await {
+            Ok(pool) => (options, pool),
+            // A finished file in a folder that may not be written: SQLite cannot put its index of the log
+            // there, and needs none, since there is no log.
+            Err(_) if std::fs::metadata(beside(path, "-wal")).map_or(0, |log| log.len()) == 0 => {
+                let options = reading(path, true);
+                let pool = connect(&options).await;
+                (options, pool.map_err(|error| file::refused_by_sqlite(path, &error))?)
+            }
+            Err(error) => return Err(file::refused_by_sqlite(path, &error)),
+        };
+        let refused = |error: sqlx::Error| file::refused_by_sqlite(path, &error);
+        let mut connection = pool.acquire().await.map_err(refused)?;
+        let found = file::schema_version(&mut connection).await.map_err(refused)?;
+        drop(connection);
+        if found > file::SCHEMA {
+            return Err(OpenError::Newer { path: path.to_owned(), found, known: file::SCHEMA });
+        }
+        if found < file::SCHEMA {
+            return Err(OpenError::Older { path: path.to_owned(), found, known: file::SCHEMA });
+        }
+        let questions = Arc::new(Semaphore::new(QUESTIONS));
+        Ok(Reader { shared: Arc::new(Shared { path: path.to_owned(), pool, options, questions }) })
     }
 
-    /// Every experiment that is running or paused, in order of number.
+    /// The file that it reads.
+    pub fn path(&self) -> &Path {
+        &self.shared.path
+    }
+
+    /// What a reference names: `last`, a number, or a name; the name of a matrix names its cells. In order of
+    /// number, never empty.
     ///
     /// # Errors
-    /// See [`ReadError`], here and below.
-    pub async fn unfinished(&self) -> Result<Vec<StoredExperiment>, ReadError> {
-        unimplemented!()
-    }
-
-    /// One experiment.
-    pub async fn experiment(&self, id: ExperimentId) -> Result<StoredExperiment, ReadError> {
-        let _ = id;
-        unimplemented!()
-    }
-
-    /// What a reference names: `last`, a number, or a name; the name of a matrix names its cells.
+    /// [`ReadError::NotFound`] if it names nothing.
     pub async fn find(&self, reference: &str) -> Result<Vec<ExperimentId>, ReadError> {
-        let _ = reference;
-        unimplemented!()
+        let query = sqlx::query_scalar(sql!("find_experiments")).bind(reference);
+        let ids: Vec<i64> = query.fetch_all(self.pool()).await?;
+        if ids.is_empty() {
+            return Err(ReadError::NotFound { what: "experiment", reference: reference.to_owned() });
+        }
+        Ok(ids.into_iter().map(ExperimentId::of).collect())
     }
 
-    /// The latest unfinished experiment of a resolved file.
-    pub async fn find_unfinished(&self, digest: &[u8; 32]) -> Result<Option<ExperimentId>, ReadError> {
-        let _ = digest;
-        unimplemented!()
+    /// As [`Reader::find`], for a reference that may name one alone.
+    ///
+    /// # Errors
+    /// [`ReadError::Ambiguous`] if it names several.
+    pub async fn find_one(&self, reference: &str) -> Result<ExperimentId, ReadError> {
+        let ids = self.find(reference).await?;
+        if let [id] = ids[..] {
+            return Ok(id);
+        }
+        let mut names = Vec::with_capacity(ids.len());
+        for id in ids {
+            names.push(self.experiment(id).await?.name);
+        }
+        Err(ReadError::Ambiguous { reference: reference.to_owned(), names })
     }
 
-    /// Where a stage goes on; `None` when it has no generation yet, or has ended.
-    pub async fn resume_point(&self, stage: StageId) -> Result<Option<ResumePoint>, ReadError> {
-        let _ = stage;
-        unimplemented!()
+    /// Ends its connections; clones then find nothing to read with.
+    pub async fn close(&self) {
+        self.shared.pool.close().await;
     }
 
-    /// The latest checkpoint of a stage: of one that has ended, its end.
-    pub async fn checkpoint(&self, stage: StageId) -> Result<Option<Vec<u8>>, ReadError> {
-        let _ = stage;
-        unimplemented!()
+    pub(super) fn pool(&self) -> &SqlitePool {
+        &self.shared.pool
     }
+
+    /// How a connection of one's own is opened.
+    pub(super) fn options(&self) -> &SqliteConnectOptions {
+        &self.shared.options
+    }
+
+    /// The turn of a user's question.
+    pub(super) async fn turn(&self) -> tokio::sync::OwnedSemaphorePermit {
+        let turn = self.shared.questions.clone().acquire_owned();
+        turn.await.expect("the semaphore is never closed")
+    }
+}
+
+async fn connect(options: &SqliteConnectOptions) -> Result<SqlitePool, sqlx::Error> {
+    let pool = SqlitePoolOptions::new().max_connections(CONNECTIONS).connect_with(options.clone()).await?;
+    // Opening alone touches nothing; this shows whether the file can be read.
+    sqlx::query("PRAGMA schema_version").fetch_one(&pool).await?;
+    Ok(pool)
 }

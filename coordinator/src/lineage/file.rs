@@ -1,0 +1,182 @@
+//! The database file: who may write it, what it must be, and how it is opened. It refuses what is no lineage,
+//! or a newer one, without touching it.
+
+use super::OpenError;
+use super::fault::{Fault, fault};
+use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection, SqliteJournalMode, SqliteSynchronous};
+use sqlx::{ConnectOptions as _, Connection as _, Executor as _};
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, Read as _, Seek as _, Write as _};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// `HATC`, in the file's header.
+const APPLICATION_ID: u32 = u32::from_be_bytes(*b"HATC");
+
+/// The schema, in the order in which it grew: a file of version n has seen the first n.
+const MIGRATIONS: [&str; 2] = [
+    include_str!("../../../migrations/0001_tables.sql"),
+    include_str!("../../../migrations/0002_views.sql"),
+];
+
+/// The schema version that this program reads and writes.
+pub(crate) const SCHEMA: i64 = MIGRATIONS.len() as i64;
+
+/// A tenth of a million individuals' rows, pages of which the writer keeps in memory, KiB.
+const CACHE_KIB: u32 = 64 << 10;
+
+/// The right to write a file, as long as this lives. The operating system takes it back from a process that
+/// dies, so that nobody has to clean up after a kill.
+pub(crate) struct Lock {
+    _file: File,
+}
+
+impl Lock {
+    /// Takes the lock of a database: `FILE-lock`, beside it.
+    pub(crate) fn take(database: &Path) -> Result<Lock, OpenError> {
+        let path = beside(database, "-lock");
+        let mut file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(&path)
+            .map_err(|error| refused(database, &error))?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                let mut holder = String::new();
+                let _ = file.read_to_string(&mut holder); // for the message alone
+                return Err(OpenError::Held { path: database.to_owned(), holder: holder.trim().to_owned() });
+            }
+            Err(TryLockError::Error(error)) => return Err(refused(database, &error)),
+        }
+        let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+        let host = if host.trim().is_empty() { String::new() } else { format!(" on {}", host.trim()) };
+        file.set_len(0)
+            .and_then(|()| file.rewind())
+            .and_then(|()| writeln!(file, "process {}{host}", std::process::id()))
+            .map_err(|error| refused(database, &error))?;
+        Ok(Lock { _file: file })
+    }
+}
+
+/// What stands at a path.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) enum Found {
+    /// Nothing, or an empty file.
+    Nothing,
+    /// A lineage of a schema version that is not newer than ours.
+    Lineage,
+}
+
+/// Looks at the first bytes of a file, and at nothing else.
+pub(crate) fn look(path: &Path) -> Result<Found, OpenError> {
+    let mut header = Vec::new();
+    match File::open(path).and_then(|file| file.take(100).read_to_end(&mut header)) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Found::Nothing),
+        Err(error) => return Err(refused(path, &error)),
+        Ok(0) => return Ok(Found::Nothing),
+        Ok(_) => {}
+    }
+    let foreign = |found: &str| OpenError::Foreign { path: path.to_owned(), found: found.to_owned() };
+    if header.len() < 100 || !header.starts_with(b"SQLite format 3\0") {
+        return Err(foreign("not an SQLite database"));
+    }
+    let word = |at: usize| u32::from_be_bytes(header[at..at + 4].try_into().expect("four bytes of a hundred"));
+    // Offsets of the database header: user_version 60, application_id 68.
+    if word(68) != APPLICATION_ID {
+        return Err(foreign("an SQLite database of another program"));
+    }
+    check_version(path, i64::from(word(60))).map(|()| Found::Lineage)
+}
+
+fn check_version(path: &Path, found: i64) -> Result<(), OpenError> {
+    if found > SCHEMA {
+        return Err(OpenError::Newer { path: path.to_owned(), found, known: SCHEMA });
+    }
+    Ok(())
+}
+
+/// How the one writer opens its file.
+pub(crate) fn writing(path: &Path) -> SqliteConnectOptions {
+    SqliteConnectOptions::new()
+        .filename(path)
+        .create_if_missing(true)
+        .page_size(16 << 10)
+        .journal_mode(SqliteJournalMode::Wal)
+        .synchronous(SqliteSynchronous::Full)
+        .busy_timeout(Duration::from_secs(1))
+        .statement_cache_capacity(256)
+        .thread_name(|_| "lineage".to_owned())
+        .pragma("cache_size", format!("-{CACHE_KIB}"))
+        // Checkpoints are made beside the writer: see `checkpoint.rs`.
+        .pragma("wal_autocheckpoint", "0")
+        .pragma("journal_size_limit", (64 << 20).to_string())
+        .disable_statement_logging()
+}
+
+/// How readers open it. `immutable` is for a file that nobody writes, in a folder that may not be written.
+pub(crate) fn reading(path: &Path, immutable: bool) -> SqliteConnectOptions {
+    SqliteConnectOptions::new()
+        .filename(path)
+        .read_only(true)
+        .immutable(immutable)
+        .busy_timeout(Duration::from_secs(5))
+        .thread_name(|_| "lineage-reader".to_owned())
+        .pragma("query_only", "1")
+        .disable_statement_logging()
+}
+
+/// Brings an open file up to date: creates everything in an empty one.
+pub(crate) async fn migrate(connection: &mut SqliteConnection, path: &Path) -> Result<(), OpenError> {
+    let refused = |error: sqlx::Error| refused_by_sqlite(path, &error);
+    let version = schema_version(connection).await.map_err(refused)?;
+    check_version(path, version)?;
+    if version == SCHEMA {
+        return Ok(());
+    }
+    let mut transaction = connection.begin_with("BEGIN IMMEDIATE").await.map_err(refused)?;
+    let seen = usize::try_from(version).unwrap_or(0);
+    for migration in &MIGRATIONS[seen..] {
+        transaction.execute(sqlx::raw_sql(*migration)).await.map_err(refused)?;
+    }
+    let marks = format!("PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {SCHEMA};");
+    transaction.execute(sqlx::raw_sql(sqlx::AssertSqlSafe(marks))).await.map_err(refused)?;
+    transaction.commit().await.map_err(refused)?;
+    // The marks belong in the main file before anybody looks at its first bytes.
+    connection.execute("PRAGMA wal_checkpoint(TRUNCATE)").await.map_err(refused)?;
+    Ok(())
+}
+
+/// The version in an open file; 0 in an empty one.
+pub(crate) async fn schema_version(connection: &mut SqliteConnection) -> Result<i64, sqlx::Error> {
+    sqlx::query_scalar("PRAGMA user_version").fetch_one(connection).await
+}
+
+/// `FILE` with a suffix.
+pub(crate) fn beside(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(suffix);
+    PathBuf::from(name)
+}
+
+fn refused(path: &Path, error: &io::Error) -> OpenError {
+    let (path, problem) = (path.to_owned(), error.to_string());
+    match error.kind() {
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+            OpenError::ReadOnly { path, problem }
+        }
+        _ => OpenError::Unavailable { path, problem },
+    }
+}
+
+/// SQLite's refusal, as what the caller can do about it.
+pub(crate) fn refused_by_sqlite(path: &Path, error: &sqlx::Error) -> OpenError {
+    let (path, problem) = (path.to_owned(), error.to_string());
+    match fault(error) {
+        Fault::Damaged => OpenError::Corrupt { path, problem },
+        Fault::Unwritable => OpenError::ReadOnly { path, problem },
+        _ => OpenError::Unavailable { path, problem },
+    }
+}

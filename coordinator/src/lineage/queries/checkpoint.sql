@@ -1,0 +1,2 @@
+-- checkpoint: the latest of a stage.
+SELECT size, state FROM checkpoint WHERE stage = ?

@@ -1,0 +1,2 @@
+-- digest: of one genotype.
+SELECT digest FROM genotype WHERE individual = ?

@@ -1,0 +1,2 @@
+-- identity: what tells this lineage from every other.
+SELECT identity FROM lineage

@@ -1,0 +1,2 @@
+-- words: those that the writer already knows.
+SELECT text, id FROM word
