@@ -10,7 +10,8 @@ pub fn processor_seconds(id: u32) -> f64 {
     let stat = std::fs::read_to_string(format!("/proc/{id}/stat")).expect("the process runs, on Linux");
     // The name, in parentheses, may hold anything; user and system time are fields 14 and 15.
     let fields = stat.rsplit_once(')').expect("a name in parentheses").1.split_whitespace();
-    let ticks: f64 = fields.skip(11).take(2).map(|field| field.parse::<f64>().expect("a number of ticks")).sum();
+    let ticks: f64 =
+        fields.skip(11).take(2).map(|field| field.parse::<f64>().expect("a number of ticks")).sum();
     ticks / TICKS
 }
 

@@ -34,7 +34,11 @@ impl Walker {
         let ground = ColliderBuilder::new(SharedShape::halfspace(Vector::Z))
             .friction(GROUND)
             .friction_combine_rule(CoefficientCombineRule::Min)
-            .collision_groups(InteractionGroups::new(Group::GROUP_1, Group::GROUP_2, InteractionTestMode::And));
+            .collision_groups(InteractionGroups::new(
+                Group::GROUP_1,
+                Group::GROUP_2,
+                InteractionTestMode::And,
+            ));
         world.insert_collider(ground, None);
 
         let plan = body.plan();

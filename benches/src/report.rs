@@ -38,7 +38,8 @@ impl Drop for Report {
         let width = |column: usize| rows.iter().map(|row| row[column].len()).max().unwrap_or(0);
         eprintln!("\n{}", self.bench);
         for row in &rows {
-            let cells = row.iter().enumerate().map(|(column, cell)| format!("{cell:>width$}", width = width(column)));
+            let cells =
+                row.iter().enumerate().map(|(column, cell)| format!("{cell:>width$}", width = width(column)));
             eprintln!("  {}", cells.collect::<Vec<_>>().join("  "));
         }
     }

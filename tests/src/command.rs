@@ -45,13 +45,15 @@ pub fn printed(output: &Output) -> String {
 /// The JSON document that a command prints with `--json`.
 pub fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
     let text = succeed(folder, &[arguments, &["--json"]].concat());
-    serde_json::from_str(&text).unwrap_or_else(|error| panic!("hatchery {arguments:?} --json: {error}\n{text}"))
+    serde_json::from_str(&text)
+        .unwrap_or_else(|error| panic!("hatchery {arguments:?} --json: {error}\n{text}"))
 }
 
 /// The JSON objects that a command prints, one a line, with `--json`.
 pub fn json_lines(folder: &Path, arguments: &[&str]) -> Vec<serde_json::Value> {
     let text = succeed(folder, &[arguments, &["--json"]].concat());
-    let read = |line| serde_json::from_str(line).unwrap_or_else(|error| panic!("{arguments:?}: {error}\n{line}"));
+    let read =
+        |line| serde_json::from_str(line).unwrap_or_else(|error| panic!("{arguments:?}: {error}\n{line}"));
     text.lines().map(read).collect()
 }
 
@@ -72,7 +74,9 @@ pub fn count(folder: &Path, sql: &str) -> i64 {
 /// The first value of a key, however deep.
 fn find<'a>(value: &'a serde_json::Value, key: &str) -> Option<&'a serde_json::Value> {
     match value {
-        serde_json::Value::Object(fields) => fields.get(key).or_else(|| fields.values().find_map(|v| find(v, key))),
+        serde_json::Value::Object(fields) => {
+            fields.get(key).or_else(|| fields.values().find_map(|v| find(v, key)))
+        }
         serde_json::Value::Array(items) => items.iter().find_map(|item| find(item, key)),
         _ => None,
     }

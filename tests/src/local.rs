@@ -71,7 +71,8 @@ fn run_alone(experiment: &Experiment, run: u32) -> Vec<Lived> {
         for (index, individual) in (0..).zip(individuals) {
             let place = Place { stage: 0, generation, index };
             let seed = coordinator::lineage::evaluation_seed(run_seed, place);
-            let cull = rule.map(|rule| Cull { at: rule.at, cutoff, control: rule.in_control(run_seed, place) });
+            let cull =
+                rule.map(|rule| Cull { at: rule.at, cutoff, control: rule.in_control(run_seed, place) });
             let outcome = match individual.inherits {
                 Some(from) if from.generation == generation => outcomes[from.index as usize].clone(),
                 Some(from) => previous[from.index as usize].clone(),

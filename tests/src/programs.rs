@@ -42,6 +42,10 @@ fn build() -> PathBuf {
     // Tests lie in `target/PROFILE/deps/`, benches in `target/PROFILE/`.
     let own = std::env::current_exe().expect("a running program has a path");
     let folder = own.parent().expect("a program lies in a folder");
-    if folder.ends_with("deps") { folder.parent().expect("deps is a folder of the profile's") } else { folder }
-        .to_owned()
+    if folder.ends_with("deps") {
+        folder.parent().expect("deps is a folder of the profile's")
+    } else {
+        folder
+    }
+    .to_owned()
 }

@@ -29,7 +29,8 @@ fn finished() -> &'static Path {
 fn best() -> String {
     let best = json(finished(), &["best", "last"]);
     let text = best.to_string();
-    let individual = best.pointer("/individuals/0/id").unwrap_or_else(|| panic!("no best individual in {text}"));
+    let individual =
+        best.pointer("/individuals/0/id").unwrap_or_else(|| panic!("no best individual in {text}"));
     individual.to_string()
 }
 
@@ -69,13 +70,27 @@ fn commands_that_ask_answer_from_the_file_alone() {
 fn json_has_the_same_keys_whatever_it_tells_of() {
     let best = best();
     let status = json(finished(), &["status", "last"]);
-    for key in ["id", "name", "system", "search", "state", "seed", "runs", "individuals", "evaluated", "culled"] {
+    for key in
+        ["id", "name", "system", "search", "state", "seed", "runs", "individuals", "evaluated", "culled"]
+    {
         assert!(status.get(key).is_some(), "status lacks `{key}`: {status}");
     }
     assert_eq!(status["state"], "finished");
     assert_eq!(status["evaluated"], 36);
     let shown = json(finished(), &["show", &best]);
-    for key in ["id", "run", "stage", "generation", "index", "operator", "status", "fitness", "traits", "genotype", "parents"] {
+    for key in [
+        "id",
+        "run",
+        "stage",
+        "generation",
+        "index",
+        "operator",
+        "status",
+        "fitness",
+        "traits",
+        "genotype",
+        "parents",
+    ] {
         assert!(shown.get(key).is_some(), "show lacks `{key}`: {shown}");
     }
     assert_eq!(shown["id"].to_string(), best);
@@ -87,7 +102,8 @@ fn a_replay_gives_the_recorded_fitness_bit_for_bit() {
     for row in json_lines(finished(), &["sql", "SELECT id FROM v_individuals ORDER BY id LIMIT 12"]) {
         succeed(finished(), &["replay", &row["id"].to_string()]);
     }
-    let culled = json_lines(finished(), &["sql", "SELECT id FROM v_individuals WHERE status = 'culled' LIMIT 3"]);
+    let culled =
+        json_lines(finished(), &["sql", "SELECT id FROM v_individuals WHERE status = 'culled' LIMIT 3"]);
     assert!(!culled.is_empty(), "seed 41 has culls");
     for row in culled {
         succeed(finished(), &["replay", &row["id"].to_string()]);
@@ -100,7 +116,8 @@ fn an_export_has_a_header_and_a_row_each_in_both_formats() {
     let mut lines = csv.lines();
     assert!(lines.next().is_some_and(|header| header.starts_with("id,")), "{csv}");
     assert_eq!(lines.count(), 36);
-    let ndjson = succeed(finished(), &["export", "v_individuals", "--format", "ndjson", "--experiment", "last"]);
+    let ndjson =
+        succeed(finished(), &["export", "v_individuals", "--format", "ndjson", "--experiment", "last"]);
     assert_eq!(ndjson.lines().count(), 36);
     for line in ndjson.lines() {
         let row: serde_json::Value = serde_json::from_str(line).expect("one JSON object a line");
@@ -127,11 +144,15 @@ fn what_does_not_exist_is_not_found() {
 
 #[test]
 fn wrong_usage_exits_with_2_and_a_coordinator_that_is_away_with_4() {
-    for arguments in [vec!["frobnicate"], vec!["best"], vec!["export", "v_nothing"], vec!["show", "last-but-one"]] {
+    for arguments in
+        [vec!["frobnicate"], vec!["best"], vec!["export", "v_nothing"], vec!["show", "last-but-one"]]
+    {
         refused(finished(), &arguments, 2);
     }
     // A port that was free a moment ago.
-    let port = std::net::TcpListener::bind("127.0.0.1:0").and_then(|listener| listener.local_addr()).expect("a port");
+    let port = std::net::TcpListener::bind("127.0.0.1:0")
+        .and_then(|listener| listener.local_addr())
+        .expect("a port");
     for command in ["list", "workers"] {
         let said = refused(finished(), &[command, "--coordinator", &format!("http://{port}")], 4);
         assert!(said.contains(&port.to_string()), "it says what it dialled: {said}");
@@ -159,9 +180,12 @@ fn a_bad_experiment_file_is_refused_by_line_and_column_and_nothing_is_made() {
             let placed = said.split("bad.toml:").skip(1).any(|rest| {
                 let mut numbers = rest.split(':');
                 let number = |text: Option<&str>| {
-                    text.is_some_and(|t| t.trim_end_matches(|c: char| !c.is_ascii_digit()).parse::<u32>().is_ok())
+                    text.is_some_and(|t| {
+                        t.trim_end_matches(|c: char| !c.is_ascii_digit()).parse::<u32>().is_ok()
+                    })
                 };
-                number(numbers.next()) && numbers.next().is_some_and(|t| t.starts_with(|c: char| c.is_ascii_digit()))
+                number(numbers.next())
+                    && numbers.next().is_some_and(|t| t.starts_with(|c: char| c.is_ascii_digit()))
             });
             assert!(placed, "{what}: file:line:column: {said}");
         }
@@ -191,7 +215,8 @@ fn questions_that_write_are_refused() {
 #[test]
 fn a_lineage_that_is_none_is_refused_with_a_word() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("text.db"), "this is no database, and long enough to be read as one").unwrap();
+    std::fs::write(folder.path().join("text.db"), "this is no database, and long enough to be read as one")
+        .unwrap();
     let said = refused(folder.path(), &["list", "--db", "text.db"], 1);
     assert!(said.contains("text.db"), "{said}");
     refused(folder.path(), &["list", "--db", "absent.db"], 3);
@@ -228,19 +253,22 @@ fn a_client_submits_watches_pauses_resumes_and_cancels() {
     let folder = service.folder();
     std::fs::write(folder.join("experiment.toml"), walkers("crawler", "grn", 43, 40, 20)).expect("writable");
     let client = |arguments: &[&str]| {
-        let output = hatchery(folder, arguments).env("HATCHERY_COORDINATOR", service.url()).output().expect("built");
+        let output =
+            hatchery(folder, arguments).env("HATCHERY_COORDINATOR", service.url()).output().expect("built");
         assert!(output.status.success(), "hatchery {arguments:?}: {}", printed(&output));
         String::from_utf8(output.stdout).expect("text")
     };
     client(&["submit", "experiment.toml"]);
     client(&["pause", "last"]);
-    let paused: serde_json::Value = serde_json::from_str(&client(&["status", "last", "--json"])).expect("JSON");
+    let paused: serde_json::Value =
+        serde_json::from_str(&client(&["status", "last", "--json"])).expect("JSON");
     assert_eq!(paused["state"], "paused");
     client(&["resume", "last"]);
     let workers = client(&["workers"]);
     assert!(workers.contains("w1") && workers.contains("w2"), "{workers}");
     client(&["cancel", "last"]);
-    let cancelled: serde_json::Value = serde_json::from_str(&client(&["status", "last", "--json"])).expect("JSON");
+    let cancelled: serde_json::Value =
+        serde_json::from_str(&client(&["status", "last", "--json"])).expect("JSON");
     assert_eq!(cancelled["state"], "cancelled");
     // The second is watched to its end.
     std::fs::write(folder.join("short.toml"), walkers("crawler", "grn", 44, 8, 2)).expect("writable");
@@ -248,7 +276,8 @@ fn a_client_submits_watches_pauses_resumes_and_cancels() {
     let watched = client(&["watch", "last", "--json"]);
     let generations = watched.lines().filter(|line| line.contains("\"generation\"")).count();
     assert!(generations >= 1, "one line a generation: {watched}");
-    let status: serde_json::Value = serde_json::from_str(&client(&["status", "last", "--json"])).expect("JSON");
+    let status: serde_json::Value =
+        serde_json::from_str(&client(&["status", "last", "--json"])).expect("JSON");
     assert_eq!(status["state"], "finished");
 }
 
@@ -284,7 +313,10 @@ generations = 2
     }
     let drawn: Vec<_> = std::fs::read_dir(folder.path().join("plots")).expect("drawn").flatten().collect();
     for extension in ["png", "svg"] {
-        assert!(drawn.iter().any(|file| file.path().extension().is_some_and(|e| e == extension)), "{drawn:?}");
+        assert!(
+            drawn.iter().any(|file| file.path().extension().is_some_and(|e| e == extension)),
+            "{drawn:?}"
+        );
     }
     let report = json(folder.path(), &["compare", "small"]);
     assert!(report.is_object(), "{report}");

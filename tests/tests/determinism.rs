@@ -64,7 +64,8 @@ fn a_coordinator_killed_ten_times_goes_on_to_the_same_lineage() {
         std::thread::sleep(Duration::from_millis(instants.within(50, 600) as u64));
         hatchery.kill_coordinator();
         hatchery.restart_coordinator();
-        under_way += u32::from(hatchery.client().experiment(id).expect("it was submitted").state == "running");
+        under_way +=
+            u32::from(hatchery.client().experiment(id).expect("it was submitted").state == "running");
     }
     assert!(under_way >= 8, "only {under_way} of 10 kills came before the end: the run is too short");
     hatchery.client().wait(id);

@@ -30,7 +30,8 @@ fn a_genotype_that_kills_three_workers_is_set_aside_and_the_run_goes_on() {
     let mut hatchery = Hatchery::new();
     let names = ["f1", "f2"];
     // It dies of every genotype whose first byte is below 6: of about one in forty.
-    let start = |hatchery: &mut Hatchery, name| hatchery.join_as(name, "fragile-worker", &["--fatal-below", "6"]);
+    let start =
+        |hatchery: &mut Hatchery, name| hatchery.join_as(name, "fragile-worker", &["--fatal-below", "6"]);
     names.into_iter().for_each(|name| start(&mut hatchery, name));
     let id = hatchery.submit(&text);
     let mut deaths = 0;
@@ -93,7 +94,8 @@ fn a_coordinator_that_is_told_to_stop_commits_and_goes_on_later() {
 #[test]
 fn a_worker_of_other_physics_or_another_release_is_refused_with_both_shown() {
     let mut hatchery = Hatchery::new();
-    let hexadecimal = |bytes: [u8; 32]| bytes[..4].iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+    let hexadecimal =
+        |bytes: [u8; 32]| bytes[..4].iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     let ours = creatures::fingerprint();
     let mut theirs = ours;
     theirs[0] ^= 1;

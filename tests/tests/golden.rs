@@ -17,7 +17,8 @@ fn every_body_and_controller_gives_the_golden_lineage() {
     let mut found = String::new();
     for cell in answer["hashes"].as_array().unwrap_or_else(|| panic!("a list of hashes: {answer}")) {
         let name = cell["name"].as_str().expect("a cell has a name");
-        writeln!(found, "{} {name}", cell["hash"].as_str().expect("in hexadecimal")).expect("a string takes all");
+        writeln!(found, "{} {name}", cell["hash"].as_str().expect("in hexadecimal"))
+            .expect("a string takes all");
     }
     assert_eq!(found.lines().count(), 8, "four bodies under two controllers:\n{found}");
     let hashes = golden.join("walkers.hashes");

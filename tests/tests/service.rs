@@ -14,17 +14,21 @@ use tokio_stream::StreamExt;
 
 #[test]
 fn health_and_reflection_answer() {
-    use tonic_health::pb::{HealthCheckRequest, health_check_response::ServingStatus, health_client::HealthClient};
+    use tonic_health::pb::{
+        HealthCheckRequest, health_check_response::ServingStatus, health_client::HealthClient,
+    };
     use tonic_reflection::pb::v1::{
         ServerReflectionRequest, server_reflection_client::ServerReflectionClient,
         server_reflection_request::MessageRequest, server_reflection_response::MessageResponse,
     };
     let hatchery = Hatchery::new();
     let client = hatchery.client();
-    let services = ["Fleet", "Experiments", "Lineage", "Evaluation"].map(|name| format!("hatchery.v1.{name}"));
+    let services =
+        ["Fleet", "Experiments", "Lineage", "Evaluation"].map(|name| format!("hatchery.v1.{name}"));
     for service in &services {
         let request = HealthCheckRequest { service: service.clone() };
-        let reply = client.converse(HealthClient::new(client.channel()).check(request)).expect("health answers");
+        let reply =
+            client.converse(HealthClient::new(client.channel()).check(request)).expect("health answers");
         assert_eq!(reply.into_inner().status(), ServingStatus::Serving, "{service}");
     }
     let request = ServerReflectionRequest {
@@ -36,12 +40,16 @@ fn health_and_reflection_answer() {
         let mut replies = reflection.server_reflection_info(tokio_stream::once(request)).await?.into_inner();
         replies.message().await
     });
-    let Some(MessageResponse::ListServicesResponse(list)) = listed.expect("reflection answers").unwrap().message_response
+    let Some(MessageResponse::ListServicesResponse(list)) =
+        listed.expect("reflection answers").unwrap().message_response
     else {
         panic!("a list of services was asked for");
     };
     for service in &services {
-        assert!(list.service.iter().any(|listed| &listed.name == service), "{service} is not listed: {list:?}");
+        assert!(
+            list.service.iter().any(|listed| &listed.name == service),
+            "{service} is not listed: {list:?}"
+        );
     }
 }
 
@@ -60,7 +68,8 @@ fn a_bare_evaluation_gives_the_outcome_of_the_library_bit_for_bit() {
             genotype
         })
         .collect();
-    let named = v1::Task { hash: Default::default(), system: "probe".to_owned(), version: system.version(), spec };
+    let named =
+        v1::Task { hash: Default::default(), system: "probe".to_owned(), version: system.version(), spec };
     let mut requests = vec![v1::EvaluateRequest { what: Some(Request::Task(named)) }];
     for (id, payload) in (0..).zip(&genotypes) {
         let genotype = v1::Genotype {
@@ -86,15 +95,18 @@ fn a_bare_genotype_that_is_illegal_is_refused_by_field_and_the_stream_goes_on() 
     let hatchery = Hatchery::with_workers(1);
     hatchery.wait_attached(1);
     let system = creatures::system("walker").expect("registered");
-    let spec = system.resolve(serde_json::json!({ "body": "crawler", "seconds": 0.5 })).expect("legal").to_string();
+    let spec =
+        system.resolve(serde_json::json!({ "body": "crawler", "seconds": 0.5 })).expect("legal").to_string();
     let legal = system.proofs().into_iter().find(|proof| {
         let task = system.task(&spec).expect("resolved");
         task.check(&proof.genotype).is_ok()
     });
     let legal = legal.expect("one of the proofs is of a crawler").genotype;
-    let named = v1::Task { hash: Default::default(), system: "walker".to_owned(), version: system.version(), spec };
+    let named =
+        v1::Task { hash: Default::default(), system: "walker".to_owned(), version: system.version(), spec };
     let genotype = |id, payload: Vec<u8>| {
-        let genotype = v1::Genotype { system: "walker".to_owned(), version: system.version(), payload: payload.into() };
+        let genotype =
+            v1::Genotype { system: "walker".to_owned(), version: system.version(), payload: payload.into() };
         let one = v1::EvaluateGenotype { id, genotype: Some(genotype), seed: 1, cull: None };
         v1::EvaluateRequest { what: Some(Request::Genotype(one)) }
     };
@@ -133,7 +145,8 @@ fn a_cull_is_recorded_with_its_rule_step_measure_and_cutoff() {
     let client = hatchery.client();
     let experiment = client.wait(id);
     assert!(experiment.culled > 0, "seed 33 has culls: {experiment:#?}");
-    let culls = client.count("SELECT count(*) FROM v_culls WHERE verdict = 'cull' AND measure < cutoff AND step = 60");
+    let culls = client
+        .count("SELECT count(*) FROM v_culls WHERE verdict = 'cull' AND measure < cutoff AND step = 60");
     assert_eq!(culls as u64, experiment.culled, "every one stopped a quarter of the way, below its cutoff");
     let first = client.count(
         "SELECT count(*) FROM v_culls JOIN v_individuals ON v_individuals.id = v_culls.individual WHERE generation = 1",
@@ -157,8 +170,14 @@ fn questions_that_write_attach_never_end_or_return_too_much_are_refused_while_a_
         ("ATTACH '/etc/passwd' AS p", tonic::Code::PermissionDenied),
         ("PRAGMA journal_mode = DELETE", tonic::Code::PermissionDenied),
         ("SELECT load_extension('x')", tonic::Code::PermissionDenied),
-        ("WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n) SELECT sum(x) FROM n", tonic::Code::ResourceExhausted),
-        ("WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n) SELECT x FROM n", tonic::Code::ResourceExhausted),
+        (
+            "WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n) SELECT sum(x) FROM n",
+            tonic::Code::ResourceExhausted,
+        ),
+        (
+            "WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n) SELECT x FROM n",
+            tonic::Code::ResourceExhausted,
+        ),
         ("SELECT hex(zeroblob(900000000))", tonic::Code::ResourceExhausted),
         ("SELECT 1; SELECT 2", tonic::Code::InvalidArgument),
         ("SELEC 1", tonic::Code::InvalidArgument),
@@ -177,8 +196,13 @@ fn evaluate(hatchery: &Hatchery, requests: Vec<v1::EvaluateRequest>) -> BTreeMap
     let client = hatchery.client();
     client.converse(async {
         let mut evaluation = EvaluationClient::new(client.channel());
-        let replies = evaluation.evaluate(tokio_stream::iter(requests)).await.expect("the stream opens").into_inner();
+        let replies =
+            evaluation.evaluate(tokio_stream::iter(requests)).await.expect("the stream opens").into_inner();
         let replies: Vec<_> = replies.collect().await;
-        replies.into_iter().map(|reply| reply.expect("the stream goes on")).map(|reply| (reply.id, reply.what)).collect()
+        replies
+            .into_iter()
+            .map(|reply| reply.expect("the stream goes on"))
+            .map(|reply| (reply.id, reply.what))
+            .collect()
     })
 }

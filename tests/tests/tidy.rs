@@ -173,7 +173,8 @@ fn a_file_is_one_idea() {
 
 #[test]
 fn a_file_says_on_top_what_it_is() {
-    for file in files("", "rs") {
+    // Tests that outgrew their module are that module's.
+    for file in files("", "rs").into_iter().filter(|file| file.file_name().unwrap() != "tests.rs") {
         let text = read(&file);
         // Inner attributes of a crate may come first.
         let first = text.lines().find(|line| !line.starts_with("#!") && !line.is_empty());

@@ -15,29 +15,39 @@ const REPEATS: usize = 3;
 
 fn main() {
     let unit = seconds_of_work(100_000) / 100_000.0;
-    let columns =
-        ["work_ms", "workers", "evaluations", "per_second", "efficiency", "coordinator_us", "workers_us", "speedup"];
+    let columns = [
+        "work_ms",
+        "workers",
+        "evaluations",
+        "per_second",
+        "efficiency",
+        "coordinator_us",
+        "workers_us",
+        "speedup",
+    ];
     let mut report = Report::new("dispatch", &columns);
-    let mut measure = |work_ms: f64, workers: usize, population: u32, generations: u32, alone: Option<f64>| {
-        let work = (work_ms / 1000.0 / unit).round() as u32;
-        let runs = (0..REPEATS).map(|_| run(work, workers, population, generations));
-        let best = runs.min_by(|a, b| a.seconds.total_cmp(&b.seconds)).expect("repeated at least once");
-        let count = f64::from(population * generations);
-        let rate = count / best.seconds;
-        let efficiency = if work > 0 { json!(rate * f64::from(work) * unit / workers as f64) } else { Value::Null };
-        let speedup = alone.map_or(Value::Null, |alone| json!(rate / alone));
-        report.row(&[
-            json!(work_ms),
-            json!(workers),
-            json!(count as u64),
-            json!(rate),
-            efficiency,
-            json!(best.coordinator / count * 1e6),
-            json!(best.workers / count * 1e6),
-            speedup,
-        ]);
-        rate
-    };
+    let mut measure =
+        |work_ms: f64, workers: usize, population: u32, generations: u32, alone: Option<f64>| {
+            let work = (work_ms / 1000.0 / unit).round() as u32;
+            let runs = (0..REPEATS).map(|_| run(work, workers, population, generations));
+            let best = runs.min_by(|a, b| a.seconds.total_cmp(&b.seconds)).expect("repeated at least once");
+            let count = f64::from(population * generations);
+            let rate = count / best.seconds;
+            let efficiency =
+                if work > 0 { json!(rate * f64::from(work) * unit / workers as f64) } else { Value::Null };
+            let speedup = alone.map_or(Value::Null, |alone| json!(rate / alone));
+            report.row(&[
+                json!(work_ms),
+                json!(workers),
+                json!(count as u64),
+                json!(rate),
+                efficiency,
+                json!(best.coordinator / count * 1e6),
+                json!(best.workers / count * 1e6),
+                speedup,
+            ]);
+            rate
+        };
     measure(0.0, 2, 20_000, 10, None);
     measure(1.0, 2, 1000, 4, None);
     measure(10.0, 2, 200, 4, None);

@@ -28,7 +28,15 @@ fn main() {
             let mut row = |path: &str, seconds: f64, overhead: Value| {
                 let rate = lived.len() as f64 / seconds;
                 let ms = 1000.0 * threads as f64 / rate;
-                report.row(&[json!(body), json!(kind), json!(threads), json!(path), json!(rate), json!(ms), overhead]);
+                report.row(&[
+                    json!(body),
+                    json!(kind),
+                    json!(threads),
+                    json!(path),
+                    json!(rate),
+                    json!(ms),
+                    overhead,
+                ]);
             };
             row("bare loop", bare, Value::Null);
             row("whole layer", whole, json!(whole / bare - 1.0));
@@ -50,7 +58,8 @@ fn bare(lived: &[Lived], spec: &str, threads: usize) -> f64 {
                 let system = creatures::system("walker").expect("registered");
                 let task = system.task(spec).expect("a parsed experiment has a legal task");
                 while let Some(one) = lived.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let outcome = task.evaluate(&one.individual.genotype, one.seed, one.cull.as_ref(), &mut |_| {});
+                    let outcome =
+                        task.evaluate(&one.individual.genotype, one.seed, one.cull.as_ref(), &mut |_| {});
                     let outcome = outcome.expect("a search makes legal genotypes");
                     assert_eq!(outcome.digest(), one.outcome.digest(), "the same bits every time");
                 }
