@@ -4,7 +4,7 @@
 
 use std::time::Instant;
 
-use creatures::{System, Task, probe};
+use creatures::{System, probe};
 use hatchery_benches::processes::processor_seconds;
 use hatchery_benches::report::Report;
 use hatchery_tests::Hatchery;
