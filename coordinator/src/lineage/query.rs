@@ -12,6 +12,7 @@ use sqlx::{AssertSqlSafe, ConnectOptions as _, Executor as _, Row as _, SqlStr, 
 use sqlx::{Column as _, SqlSafeStr as _, TypeInfo as _, ValueRef as _};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::task::{Context, Poll};
 use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio_stream::StreamExt as _;
@@ -74,6 +75,14 @@ impl Answer {
     /// [`QueryError::TooMuch`] once a limit is reached; nothing follows.
     pub async fn next(&mut self) -> Option<Result<Vec<Vec<Cell>>, QueryError>> {
         self.chunks.recv().await
+    }
+
+    /// As [`Answer::next`], for those who are polled themselves.
+    pub fn poll_next(
+        &mut self,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Vec<Vec<Cell>>, QueryError>>> {
+        self.chunks.poll_recv(context)
     }
 }
 
