@@ -8,7 +8,7 @@ pub use crate::lineage::{Attempt, Fate, Joined, Ruling, SetAside};
 pub use crate::scheduler::{
     Conflict, Evaluation, Millis, Settled, Summary, TaskText, WorkerInfo, WorkerState,
 };
-pub(crate) use session::Attachment;
+pub(crate) use session::{Attachment, Mouth};
 
 use crate::scheduler::{AttemptId, Hello, Loss, QueueId, Report, WorkerId};
 use proto::refusal::Refusal;
@@ -248,7 +248,7 @@ enum Event {
     Heard(WorkerId),
     Window(WorkerId, u32),
     Drain(WorkerId, Vec<AttemptId>),
-    Ended(WorkerId, Loss),
+    Ended(WorkerId, Loss, Option<tonic::Status>),
     Open {
         label: String,
         weight: u32,

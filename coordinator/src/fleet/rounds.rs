@@ -11,6 +11,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{broadcast, mpsc, oneshot, watch};
 use tokio::time::MissedTickBehavior;
+use tonic::Status;
 
 /// The longest time between rounds: stragglers are looked for that often.
 const TICK: Duration = Duration::from_millis(20);
@@ -115,7 +116,12 @@ impl Rounds {
                 self.scheduler.heard(worker, now);
                 self.scheduler.drain(worker, &returned, now);
             }
-            Event::Ended(worker, loss) => self.close(worker, loss, now),
+            Event::Ended(worker, loss, status) => {
+                if let (Some(status), Some((session, _))) = (status, self.sessions.get_mut(&worker)) {
+                    session.refuse(status);
+                }
+                self.close(worker, loss, now);
+            }
             Event::Open { label, weight, deliver, reply } => {
                 let queue = self.scheduler.open(weight);
                 // An owner that is gone already shows in its channel, at the next inspection.
@@ -221,7 +227,12 @@ impl Rounds {
 
     fn carry_out(&mut self, order: Order, now: Millis) {
         match order {
-            Order::Dismiss { worker, loss } => self.close(worker, loss, now),
+            Order::Dismiss { worker, loss } => {
+                if let Some((session, _)) = self.sessions.get_mut(&worker) {
+                    session.refuse(Status::unavailable(format!("dismissed: {}", loss.word())));
+                }
+                self.close(worker, loss, now);
+            }
             Order::Tell { worker, revoked, assigned } => {
                 let Some((session, _)) = self.sessions.get_mut(&worker) else { return };
                 if let Err(Unsent(loss)) = session.tell(revoked, assigned) {

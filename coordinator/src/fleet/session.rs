@@ -65,6 +65,12 @@ impl Session {
         })
     }
 
+    /// The last word before the stream is closed.
+    pub(super) fn refuse(&mut self, status: Status) {
+        // A stream that is full or gone ends without it.
+        let _ = self.outbox.try_send(Err(status));
+    }
+
     /// Tells a worker what nobody needs any more, then what to do.
     pub(super) fn tell(&mut self, revoked: Vec<AttemptId>, assigned: Vec<Assignment>) -> Result<(), Unsent> {
         use v1::coordinator_message::Kind;
@@ -155,9 +161,19 @@ impl Mouth {
         self.tell(Event::Drain(self.worker, returned)).await;
     }
 
-    /// The stream is over.
-    pub(crate) async fn ended(&self, loss: Loss) {
-        self.tell(Event::Ended(self.worker, loss)).await;
+    /// The worker has hung up.
+    pub(crate) async fn left(&self) {
+        self.tell(Event::Ended(self.worker, Loss::Left, None)).await;
+    }
+
+    /// The stream broke.
+    pub(crate) async fn broke(&self) {
+        self.tell(Event::Ended(self.worker, Loss::Broke, None)).await;
+    }
+
+    /// The worker broke the protocol, and is to be told so.
+    pub(crate) async fn misspoke(&self, status: Status) {
+        self.tell(Event::Ended(self.worker, Loss::Misspoke, Some(status))).await;
     }
 
     /// After the goodbye nobody listens, and nothing is to be done about it.

@@ -65,7 +65,9 @@ pub struct Limits {
 /// Why a worker is attached no more.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Loss {
-    /// Its stream ended.
+    /// It hung up.
+    Left,
+    /// Its stream broke.
     Broke,
     /// It was silent for too long.
     Silent,
@@ -83,6 +85,7 @@ impl Loss {
     /// In the lineage.
     pub fn word(self) -> &'static str {
         match self {
+            Loss::Left => "left",
             Loss::Broke => "stream broke",
             Loss::Silent => "silent",
             Loss::Overdue => "overdue",
