@@ -4,14 +4,17 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use tokio::net::TcpListener;
-use tokio::sync::oneshot;
+use tokio::sync::broadcast::error::RecvError;
+use tokio::sync::{broadcast, oneshot};
 use tokio::task::JoinHandle;
 use tonic::transport::Server;
 use tonic::transport::server::TcpIncoming;
 
 use crate::driver::{Driver, ResumeError};
-use crate::fleet::{Fleet, FleetSettings};
+use crate::fleet::{Change, Fleet, FleetSettings};
 use crate::lineage::{Lineage, OpenError};
+use crate::service::experiments::ExperimentsService;
+use crate::service::lineage::LineageService;
 use crate::{Config, service};
 
 /// Why a coordinator does not start.
@@ -53,7 +56,6 @@ pub enum StartError {
 }
 
 /// A coordinator at work. Dropping it stops the server without a goodbye, as a kill would.
-#[derive(Debug)]
 pub struct Running {
     address: SocketAddr,
     stop: oneshot::Sender<()>,
@@ -85,6 +87,7 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
         fingerprint,
         lineage: lineage.identity(),
     });
+    tokio::spawn(note_workers(fleet.changes(), lineage.clone()));
     let driver = Driver::start(lineage.clone(), fleet.clone(), fingerprint).await?;
 
     let (health, health_service) = tonic_health::server::health_reporter();
@@ -106,8 +109,8 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
         .add_service(reflection)
         .add_service(service::fleet(fleet.clone()))
         .add_service(service::evaluation(fleet.clone()))
-        .add_service(service::experiments(driver.clone()))
-        .add_service(service::lineage(lineage.reader().clone()));
+        .add_service(ExperimentsService::new(driver.clone()).into_server())
+        .add_service(LineageService::new(lineage.reader().clone()).into_server());
     let incoming = TcpIncoming::from(listener).with_nodelay(Some(true));
     let server = tokio::spawn(router.serve_with_incoming_shutdown(incoming, async move {
         // A dropped sender is a stop as well.
@@ -142,7 +145,38 @@ impl Running {
         if tokio::time::timeout(Duration::from_secs(2), self.server).await.is_err() {
             tracing::debug!("clients still hold streams; closing them");
         }
-        self.lineage.close().await;
+        if let Err(error) = self.lineage.close().await {
+            tracing::warn!(%error, "the lineage was not closed in order; what is committed is safe");
+        }
+    }
+}
+
+/// Writes down which workers come and go.
+async fn note_workers(mut changes: broadcast::Receiver<Change>, lineage: Lineage) {
+    loop {
+        let written = match changes.recv().await {
+            Ok(Change::Joined(worker)) => {
+                tracing::info!(
+                    worker = worker.name,
+                    host = worker.host,
+                    slots = worker.slots,
+                    "worker joined"
+                );
+                lineage.worker_joined(worker).await
+            }
+            Ok(Change::Left { name, reason }) => {
+                tracing::info!(worker = name, reason, "worker left");
+                lineage.worker_left(name, reason.to_owned()).await
+            }
+            Err(RecvError::Lagged(missed)) => {
+                tracing::warn!(missed, "comings and goings of workers were not written down");
+                Ok(())
+            }
+            Err(RecvError::Closed) => return,
+        };
+        if written.is_err() {
+            return; // The lineage is closed; so will be the fleet.
+        }
     }
 }
 

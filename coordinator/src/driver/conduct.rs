@@ -6,17 +6,19 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use bytes::Bytes;
-use creatures::Cull;
+use creatures::{Cull, Outcome};
 use search::{Experiment, Place, Search};
+use serde_json::json;
+use tokio::sync::watch;
 use tokio::task::JoinSet;
 
+use super::Driver;
 use super::generation::{Generation, Inherited};
 use super::progress::{Ended, Happening, Progress, Tally};
-use super::Driver;
-use crate::fleet::{Evaluation, Queue, QueueOutput, Settled, TaskText};
+use crate::fleet::{Conflict, Evaluation, Queue, QueueOutput, Settled, TaskText};
 use crate::lineage::{
-    Attempt, CloseGeneration, Culling, Ending, Evaluated, Event, ExperimentId, IndividualId, NewStage,
-    OpenGeneration, ReadError, SetAside, StageId, State, StoredExperiment, WriteError, evaluation_seed,
+    CloseGeneration, Culling, Ending, Evaluated, Event, ExperimentId, IndividualId, NewStage, OpenGeneration,
+    ReadError, StageId, State, StoredExperiment, WriteError, evaluation_seed,
 };
 
 /// The one stage of a run whose search is a plain genetic algorithm.
@@ -31,7 +33,9 @@ enum ConductError {
     Write(#[from] WriteError),
     #[error("run {run}: its checkpoint is not understood: {problem}")]
     Checkpoint { run: u32, problem: String },
-    #[error("run {run}, generation {generation}: the search now asks for other individuals than stand in the lineage")]
+    #[error(
+        "run {run}, generation {generation}: the search now asks for other individuals than stand in the lineage"
+    )]
     OtherHistory { run: u32, generation: u32 },
 }
 
@@ -106,7 +110,7 @@ impl Conductor {
         }
         while !(waiting.is_empty() && turning.is_empty()) {
             tokio::select! {
-                _ = stopping.wait_for(|stopping| *stopping) => return Ok(false),
+                () = stopped(&mut stopping) => return Ok(false),
                 Some(turned) = turning.join_next() => {
                     let turned = turned.expect("a turn neither panics nor is aborted while it is awaited")?;
                     if let Some(run) = turned {
@@ -115,6 +119,7 @@ impl Conductor {
                 }
                 settled = output.next() => {
                     let Some(settled) = settled else { return Ok(false) };
+                    self.report(output.take_conflicts()).await?;
                     for run in self.settle(settled, &mut waiting).await? {
                         self.clone().place(run, &mut waiting, &mut turning);
                     }
@@ -220,14 +225,16 @@ impl Conductor {
     ) -> Result<Option<Run>, ConductError> {
         let lineage = &self.driver.shared.lineage;
         if individuals.is_empty() {
-            let close = close.unwrap_or_else(|| CloseGeneration { record: Default::default(), wall_seconds: 0.0 });
+            let close =
+                close.unwrap_or_else(|| CloseGeneration { record: Default::default(), wall_seconds: 0.0 });
             lineage.close_stage(stage, close, checkpoint).await?;
             return Ok(None);
         }
         let generation = previous.map_or(1, |previous| previous.number + 1);
         let culling = self.experiment.culling().map(|rule| Culling {
             at: rule.at,
-            cutoff: previous.and_then(|previous| rule.cutoff(&previous.outcomes(), self.experiment.interim_measure())),
+            cutoff: previous
+                .and_then(|previous| rule.cutoff(&previous.outcomes(), self.experiment.interim_measure())),
         });
         let ids = lineage
             .open_generation(OpenGeneration {
@@ -297,9 +304,9 @@ impl Conductor {
             let heirs = run.generation.settle(index, one.result.as_ref().ok().cloned());
             evaluated.push(Evaluated {
                 individual: id,
-                ending: Ending::Settled(one.result.map_err(|aside| SetAside { reason: aside.reason })),
+                ending: Ending::Settled(one.result),
                 ruling: one.ruling,
-                attempts: one.attempts.into_iter().map(Attempt::from).collect(),
+                attempts: one.attempts,
             });
             self.progress.settled(heirs.len(), 1);
             evaluated.extend(heirs.into_iter().map(take_over));
@@ -319,6 +326,33 @@ impl Conductor {
             }
         }
         Ok(complete)
+    }
+
+    /// Writes down that two workers disagreed: one of them cannot be trusted (walker X-18).
+    async fn report(&self, conflicts: Vec<Conflict>) -> Result<(), ConductError> {
+        for conflict in conflicts {
+            let side = |(outcome, worker): &(Outcome, String)| {
+                json!({
+                    "worker": worker,
+                    "fitness": outcome.fitness,
+                    "fitness_bits": format!("{:016x}", outcome.fitness.to_bits()),
+                    "steps": outcome.steps,
+                })
+            };
+            let (first, second) = (side(&conflict.first), side(&conflict.second));
+            let event = Event {
+                experiment: Some(self.id),
+                kind: "conflict".to_owned(),
+                text: format!(
+                    "workers `{}` and `{}` gave different outcomes for individual {}",
+                    conflict.first.1, conflict.second.1, conflict.id
+                ),
+                data: json!({ "individual": conflict.id, "first": first, "second": second }),
+            };
+            tracing::error!(experiment = %self.id, data = %event.data, "{}", event.text);
+            self.driver.shared.lineage.event(event).await?;
+        }
+        Ok(())
     }
 
     /// Tells the search a whole generation and opens the next.
@@ -343,7 +377,15 @@ impl Conductor {
         };
         let close = CloseGeneration { record, wall_seconds: seconds };
         let next = self
-            .open(run.number, run.stage, run.search, checkpoint, individuals, Some(&run.generation), Some(close))
+            .open(
+                run.number,
+                run.stage,
+                run.search,
+                checkpoint,
+                individuals,
+                Some(&run.generation),
+                Some(close),
+            )
             .await?;
         if next.is_none() {
             self.progress.finished(run.number);
@@ -352,6 +394,12 @@ impl Conductor {
         let _ = self.driver.shared.happenings.send(Happening::Generation(self.id, Box::new(ended)));
         Ok(next)
     }
+}
+
+/// Waits until the driver stops.
+async fn stopped(stopping: &mut watch::Receiver<bool>) {
+    // An error says that the driver is gone, which is a stop as well.
+    let _ = stopping.wait_for(|stopping| *stopping).await;
 }
 
 fn take_over(inherited: Inherited) -> Evaluated {

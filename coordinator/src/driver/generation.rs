@@ -56,9 +56,9 @@ impl Generation {
             }
         }
         for index in 0..size {
-            let from_previous = inherits[index]
-                .filter(|place| place.generation < number)
-                .and_then(|place| previous?.known(place.index as usize).cloned().zip(previous?.id(place.index as usize)));
+            let from_previous = inherits[index].filter(|place| place.generation < number).and_then(|place| {
+                previous?.known(place.index as usize).cloned().zip(previous?.id(place.index as usize))
+            });
             if let (None, Some((known, from))) = (&generation.settled[index], from_previous) {
                 inherited.push(Inherited { heir: generation.first.at(index as u32), from });
                 inherited.extend(generation.settle(index, known));
@@ -84,7 +84,8 @@ impl Generation {
         let mut inherited = Vec::new();
         for heir in self.heirs[index].clone() {
             if self.settled[heir].is_none() {
-                inherited.push(Inherited { heir: self.first.at(heir as u32), from: self.first.at(index as u32) });
+                inherited
+                    .push(Inherited { heir: self.first.at(heir as u32), from: self.first.at(index as u32) });
                 inherited.extend(self.settle(heir, known.clone()));
             }
         }
@@ -204,7 +205,8 @@ mod tests {
             Generation::new(1, IndividualId(1), &[None, None], vec![Some(outcome(5.0)), Some(None)], None);
         let inherits = [at(1, 0), None, at(2, 1), None];
         let settled = vec![None, Some(outcome(3.0)), None, None];
-        let (generation, inherited) = Generation::new(2, IndividualId(3), &inherits, settled, Some(&previous));
+        let (generation, inherited) =
+            Generation::new(2, IndividualId(3), &inherits, settled, Some(&previous));
         assert_eq!(
             inherited,
             [

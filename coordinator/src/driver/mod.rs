@@ -6,7 +6,7 @@ mod generation;
 mod progress;
 mod submit;
 
-pub use progress::{Ended, Happening, RunProgress, Tally};
+pub use progress::{Counts, Ended, Happening, Progress, RunProgress, Tally};
 pub use submit::{Submission, SubmitError};
 
 use std::collections::BTreeMap;
@@ -17,7 +17,6 @@ use tokio::task::JoinHandle;
 
 use crate::fleet::{Fleet, QueueControl};
 use crate::lineage::{ExperimentId, Health, Lineage, ReadError, State, StoredExperiment, WriteError};
-use progress::Progress;
 
 /// Why the experiments of a lineage cannot be taken up.
 #[derive(Debug, thiserror::Error)]
@@ -231,7 +230,7 @@ impl Driver {
     }
 
     /// Conducts an experiment of the lineage from where it stands.
-    async fn take_up(&self, stored: StoredExperiment) -> Result<(), ResumeError> {
+    async fn take_up(&self, stored: StoredExperiment) -> Result<(), WriteError> {
         let id = stored.id;
         if let Some(reason) = self.incompatible(&stored) {
             tracing::warn!(experiment = %id, reason, "not taken up");
@@ -247,9 +246,10 @@ impl Driver {
             }
         };
         let queue = self.shared.fleet.queue(stored.name.clone(), 1).await;
-        let control = queue.control();
+        let control = queue.0.control();
         let progress = Arc::new(Progress::new(&experiment));
-        let conducting = tokio::spawn(conduct::conduct(self.clone(), stored, experiment, queue, progress.clone()));
+        let conducting =
+            tokio::spawn(conduct::conduct(self.clone(), stored, experiment, queue, progress.clone()));
         self.active().insert(id, Active { control, progress, conducting });
         Ok(())
     }

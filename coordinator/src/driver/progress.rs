@@ -124,8 +124,10 @@ pub struct Progress {
 pub struct Counts {
     /// By run, from run 1.
     pub runs: Vec<RunProgress>,
-    /// Settled since the experiment was taken up, those on disk by then included.
+    /// Settled since the experiment was taken up, those of open generations on disk by then included.
     pub evaluated: u64,
+    /// Individuals in all runs, when the search knows.
+    pub planned: Option<u64>,
     /// Settlements by evaluation alone, with the time of the first: for the rate.
     settled: u64,
     since: Option<Instant>,
@@ -134,7 +136,15 @@ pub struct Counts {
 impl Progress {
     pub(super) fn new(experiment: &Experiment) -> Progress {
         let runs = vec![RunProgress::default(); experiment.runs as usize];
-        Progress { state: Mutex::new(Counts { runs, evaluated: 0, settled: 0, since: None }) }
+        Progress {
+            state: Mutex::new(Counts {
+                runs,
+                evaluated: 0,
+                planned: experiment.planned(),
+                settled: 0,
+                since: None,
+            }),
+        }
     }
 
     /// A copy of the counts.

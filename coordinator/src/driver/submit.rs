@@ -2,7 +2,7 @@
 
 use search::{Experiment, Overrides, Problem};
 
-use super::{ControlError, Driver, ResumeError};
+use super::{ControlError, Driver};
 use crate::lineage::{ExperimentId, NewExperiment, ReadError, WriteError};
 
 /// What is submitted.
@@ -33,15 +33,6 @@ pub enum SubmitError {
     Control(#[from] ControlError),
 }
 
-impl From<ResumeError> for SubmitError {
-    fn from(error: ResumeError) -> Self {
-        match error {
-            ResumeError::Read(error) => error.into(),
-            ResumeError::Write(error) => error.into(),
-        }
-    }
-}
-
 impl Driver {
     /// Begins every cell of an experiment file, or goes on with them. Gives their numbers in order of cell,
     /// and whether any of them was taken up rather than begun.
@@ -58,8 +49,12 @@ impl Driver {
                 *id = lineage.reader().find_unfinished(&cell.digest()).await?;
             }
         }
-        let new: Vec<_> =
-            cells.iter().zip(&ids).filter(|(_, id)| id.is_none()).map(|(cell, _)| self.describe(cell)).collect();
+        let new: Vec<_> = cells
+            .iter()
+            .zip(&ids)
+            .filter(|(_, id)| id.is_none())
+            .map(|(cell, _)| self.describe(cell))
+            .collect();
         let resumed = new.len() < cells.len();
         let mut created = if new.is_empty() { vec![] } else { lineage.create(new).await? }.into_iter();
         let mut all = Vec::with_capacity(ids.len());

@@ -13,9 +13,9 @@ use tokio_stream::Stream;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Code, Request, Response, Status};
 
-use crate::driver::{ControlError, Driver, Ended, Happening, Submission, SubmitError};
-use crate::lineage::{ExperimentId, State, WriteError};
-use crate::service::lineage::read_status;
+use crate::driver::{ControlError, Counts, Driver, Ended, Happening, Submission, SubmitError};
+use crate::lineage::{ExperimentId, RunProgress, State, Summary, WriteError};
+use crate::service::lineage::status;
 
 /// How often watchers are told the progress.
 const PROGRESS_EVERY: Duration = Duration::from_millis(250);
@@ -32,43 +32,42 @@ impl ExperimentsService {
         ExperimentsService { driver }
     }
 
+    /// As a tonic server.
+    pub fn into_server(self) -> v1::experiments_server::ExperimentsServer<Self> {
+        v1::experiments_server::ExperimentsServer::new(self).max_decoding_message_size(proto::MESSAGE_SIZE_MAX)
+    }
+
     async fn find(&self, reference: &str) -> Result<Vec<ExperimentId>, Status> {
-        self.driver.lineage().reader().find(reference).await.map_err(|error| read_status(&error))
+        self.driver.lineage().reader().find(reference).await.map_err(status)
     }
 
-    /// An experiment as the lineage has it, with what only the driver knows.
     async fn render(&self, id: ExperimentId) -> Result<v1::Experiment, Status> {
-        let mut rendered =
-            self.driver.lineage().reader().summary(id).await.map_err(|error| read_status(&error))?;
-        rendered.resolved.clear();
-        if let Some(progress) = self.driver.progress(id) {
-            let counts = progress.counts();
-            rendered.evaluated = rendered.evaluated.max(counts.evaluated);
-            for run in &mut rendered.progress {
-                let Some(live) = counts.runs.get(run.run as usize - 1) else { continue };
-                if live.generation >= run.generation && live.stage >= run.stage {
-                    (run.generation, run.size, run.done) =
-                        (live.generation, live.size as u32, live.done as u32);
-                }
-                if let Some((best, fitness)) = live.best
-                    && run.best.is_none_or(|known| fitness > known)
-                {
-                    (run.best, run.best_individual) = (Some(fitness), best.0);
-                }
-            }
-        }
-        if rendered.state == State::Running.word() && rendered.reason.is_empty() {
-            rendered.reason = self.driver.held_up();
-        }
-        Ok(rendered)
+        let rendered = self.render_all(Some(&[id])).await?;
+        rendered.into_iter().next().ok_or_else(|| Status::not_found(format!("experiment {id} is not in this lineage")))
     }
 
-    async fn render_all(&self, ids: &[ExperimentId]) -> Result<Response<v1::ListReply>, Status> {
-        let mut experiments = Vec::with_capacity(ids.len());
-        for &id in ids {
-            experiments.push(self.render(id).await?);
-        }
-        Ok(Response::new(v1::ListReply { experiments }))
+    /// Experiments as the lineage has them, with what only the driver knows.
+    async fn render_all(&self, ids: Option<&[ExperimentId]>) -> Result<Vec<v1::Experiment>, Status> {
+        let summaries =
+            self.driver.lineage().reader().summaries(ids).await.map_err(status)?;
+        Ok(summaries
+            .into_iter()
+            .map(|summary| {
+                let id = summary.id;
+                let mut rendered = render_summary(summary);
+                if let Some(progress) = self.driver.progress(id) {
+                    bring_up_to_date(&mut rendered, &progress.counts());
+                }
+                if rendered.state == State::Running.word() && rendered.reason.is_empty() {
+                    rendered.reason = self.driver.held_up();
+                }
+                rendered
+            })
+            .collect())
+    }
+
+    async fn reply(&self, ids: &[ExperimentId]) -> Result<Response<v1::ListReply>, Status> {
+        Ok(Response::new(v1::ListReply { experiments: self.render_all(Some(ids)).await? }))
     }
 
     /// Sends a watcher what happens until every experiment has ended or nobody reads any more.
@@ -184,14 +183,13 @@ impl v1::experiments_server::Experiments for ExperimentsService {
             resume: request.resume,
         };
         let (ids, resumed) =
-            self.driver.submit(submission).await.map_err(|error| submit_status(&error))?;
-        let experiments = self.render_all(&ids).await?.into_inner().experiments;
+            self.driver.submit(submission).await.map_err(submit_status)?;
+        let experiments = self.render_all(Some(&ids)).await?;
         Ok(Response::new(v1::SubmitReply { experiments, resumed }))
     }
 
     async fn list(&self, _: Request<v1::ListRequest>) -> Result<Response<v1::ListReply>, Status> {
-        let ids = self.driver.lineage().reader().every().await.map_err(|error| read_status(&error))?;
-        self.render_all(&ids).await
+        Ok(Response::new(v1::ListReply { experiments: self.render_all(None).await? }))
     }
 
     async fn get(&self, request: Request<v1::GetRequest>) -> Result<Response<v1::Experiment>, Status> {
@@ -205,7 +203,7 @@ impl v1::experiments_server::Experiments for ExperimentsService {
         };
         let mut rendered = self.render(id).await?;
         let stored =
-            self.driver.lineage().reader().experiment(id).await.map_err(|error| read_status(&error))?;
+            self.driver.lineage().reader().experiment(id).await.map_err(status)?;
         rendered.resolved = stored.resolved;
         Ok(Response::new(rendered))
     }
@@ -233,9 +231,9 @@ impl v1::experiments_server::Experiments for ExperimentsService {
     ) -> Result<Response<v1::ListReply>, Status> {
         let ids = self.find(&request.into_inner().experiment).await?;
         for &id in &ids {
-            self.driver.pause(id).await.map_err(|error| control_status(&error))?;
+            self.driver.pause(id).await.map_err(control_status)?;
         }
-        self.render_all(&ids).await
+        self.reply(&ids).await
     }
 
     async fn resume(
@@ -244,9 +242,9 @@ impl v1::experiments_server::Experiments for ExperimentsService {
     ) -> Result<Response<v1::ListReply>, Status> {
         let ids = self.find(&request.into_inner().experiment).await?;
         for &id in &ids {
-            self.driver.resume(id).await.map_err(|error| control_status(&error))?;
+            self.driver.resume(id).await.map_err(control_status)?;
         }
-        self.render_all(&ids).await
+        self.reply(&ids).await
     }
 
     async fn cancel(
@@ -255,9 +253,64 @@ impl v1::experiments_server::Experiments for ExperimentsService {
     ) -> Result<Response<v1::ListReply>, Status> {
         let ids = self.find(&request.into_inner().experiment).await?;
         for &id in &ids {
-            self.driver.cancel(id).await.map_err(|error| control_status(&error))?;
+            self.driver.cancel(id).await.map_err(control_status)?;
         }
-        self.render_all(&ids).await
+        self.reply(&ids).await
+    }
+}
+
+fn render_summary(summary: Summary) -> v1::Experiment {
+    v1::Experiment {
+        id: summary.id.0,
+        name: summary.name,
+        group: summary.group.unwrap_or_default(),
+        system: summary.system,
+        search: summary.search_kind,
+        state: summary.state,
+        reason: summary.reason,
+        seed: summary.seed,
+        runs: summary.runs,
+        cell: summary.cell,
+        created_ms: summary.created_ms,
+        ended_ms: summary.ended_ms,
+        individuals: summary.individuals,
+        planned: summary.planned.unwrap_or(0),
+        evaluated: summary.evaluated,
+        culled: summary.culled,
+        aborted: summary.aborted,
+        failed: summary.failed,
+        progress: summary.progress.into_iter().map(render_run).collect(),
+        resolved: String::new(),
+    }
+}
+
+fn render_run(run: RunProgress) -> v1::Run {
+    v1::Run {
+        run: run.run,
+        stage: run.stage,
+        stage_name: run.stage_name,
+        generation: run.generation,
+        generations: run.generations.unwrap_or(0),
+        done: run.done,
+        size: run.size,
+        best: run.best.map(|(fitness, _)| fitness),
+        best_individual: run.best.map_or(0, |(_, id)| id.0),
+        finished: run.ended,
+    }
+}
+
+/// Outcomes reach the lineage a moment after the driver.
+fn bring_up_to_date(rendered: &mut v1::Experiment, counts: &Counts) {
+    for run in &mut rendered.progress {
+        let Some(live) = counts.runs.get(run.run as usize - 1) else { continue };
+        if (live.stage, live.generation) >= (run.stage, run.generation) {
+            (run.generation, run.size, run.done) = (live.generation, live.size as u32, live.done as u32);
+        }
+        if let Some((best, fitness)) = live.best
+            && run.best.is_none_or(|known| fitness > known)
+        {
+            (run.best, run.best_individual) = (Some(fitness), best.0);
+        }
     }
 }
 
@@ -284,14 +337,14 @@ fn render_generation(ended: Ended) -> v1::Generation {
     }
 }
 
-fn submit_status(error: &SubmitError) -> Status {
+fn submit_status(error: SubmitError) -> Status {
     match error {
         SubmitError::Problems(problems) => {
             let text = problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n");
             let details = v1::Problems { problems: problems.iter().map(render_problem).collect() };
             Status::with_details(Code::InvalidArgument, text, details.encode_to_vec().into())
         }
-        SubmitError::Read(error) => read_status(error),
+        SubmitError::Read(error) => status(error),
         SubmitError::Write(error) => write_status(error),
         SubmitError::Control(error) => control_status(error),
     }
@@ -309,17 +362,17 @@ fn render_problem(problem: &Problem) -> v1::Problem {
     }
 }
 
-fn control_status(error: &ControlError) -> Status {
+fn control_status(error: ControlError) -> Status {
     match error {
         ControlError::Ended(..) | ControlError::Incompatible(..) => {
             Status::failed_precondition(error.to_string())
         }
-        ControlError::Read(error) => read_status(error),
+        ControlError::Read(error) => status(error),
         ControlError::Write(error) => write_status(error),
     }
 }
 
-fn write_status(error: &WriteError) -> Status {
+fn write_status(error: WriteError) -> Status {
     match error {
         WriteError::Closed { .. } => Status::unavailable(error.to_string()),
         WriteError::Contradiction { .. } => Status::internal(error.to_string()),

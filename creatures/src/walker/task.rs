@@ -95,7 +95,7 @@ impl WalkerTask {
         if self.control_hz == 0 {
             return refuse("control_hz", "0 is not positive".to_owned());
         }
-        if self.physics_hz == 0 || self.physics_hz % self.control_hz != 0 {
+        if self.physics_hz == 0 || !self.physics_hz.is_multiple_of(self.control_hz) {
             let problem = format!("{} is no positive multiple of control_hz", self.physics_hz);
             return refuse("physics_hz", problem);
         }

@@ -194,18 +194,16 @@ impl Contact {
         };
         (self.pressure, self.shear) = (pressure, shear);
         let cone = self.coulomb * pressure;
-        let share = length(shear);
+        let against = -(shear[0] * slip[0] + shear[1] * slip[1]);
         let holds = match self.hold {
             Hold::Open => true,
             _ if pressure < 0.0 => return Hold::Open,
-            _ if share > cone => false,
-            Hold::Slide { direction: [x, y], .. } => {
-                share >= FRICTION_SHARE * cone && x * slip[0] + y * slip[1] >= footing.slip_speed
-            }
-            Hold::Drag { .. } if speed >= footing.slip_speed => share >= FRICTION_SHARE * cone,
-            // Below the slip speed the drag may be off by a factor of two: the slip speed is a bound of what
-            // cannot be seen, not a quantity.
-            Hold::Drag { drag } => drag * footing.slip_speed >= 0.5 * cone,
+            _ if length(shear) > cone => false,
+            Hold::Slide { direction: [x, y], .. } if x * slip[0] + y * slip[1] < footing.slip_speed => false,
+            // Below the slip speed the drag may be too small by half: the slip speed is a bound of what cannot
+            // be seen, not a quantity.
+            Hold::Drag { drag } if speed < footing.slip_speed => drag * footing.slip_speed >= 0.5 * cone,
+            Hold::Slide { .. } | Hold::Drag { .. } => against >= FRICTION_SHARE * cone * speed,
         };
         if holds { self.hold } else { self.grip(footing, pressure, slip, patient) }
     }

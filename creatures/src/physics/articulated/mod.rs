@@ -8,6 +8,7 @@
 //! equations, and why they are these, are in `docs/engine.md`.
 
 mod contact;
+mod dashboard;
 mod joint;
 mod model;
 mod rounds;

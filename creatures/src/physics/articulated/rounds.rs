@@ -27,7 +27,7 @@ impl World {
             if let Err(fault) = self.solve(footing) {
                 // Friction that follows the normal impulse can wedge a body, and then has no solution to
                 // first order. Friction of the round before always has one.
-                if patient || !self.contacts.iter_mut().fold(false, |any, contact| any | contact.let_go()) {
+                if !self.contacts.iter_mut().fold(false, |any, contact| any | contact.let_go()) {
                     return Err(fault);
                 }
                 patient = true;

@@ -84,6 +84,8 @@ impl Staircase {
     /// The closest legal place to that of the last step, whose staircase was another one.
     pub(super) fn warm(&self, last: Tread) -> Tread {
         match last {
+            // Locked at no number: the step finds that out, and faults.
+            _ if !self.rate.is_finite() && self.bound > 0.0 => Tread::Holding,
             Tread::Low if self.low == f64::NEG_INFINITY => Tread::Pushing,
             Tread::High if self.high == f64::INFINITY => self.warm(Tread::Braking),
             Tread::Holding | Tread::Braking if self.bound == 0.0 => Tread::Pushing,

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::math::{floor, sin};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// Control steps of 1/60 s in 7.5 s.
 const CONTROLS: u32 = 450;
@@ -28,14 +28,15 @@ fn run(
     phenotype
 }
 
-/// T-19's commands, at time `t`, s.
+/// T-19's commands, at time `t`, s. The arm's are of the same form with other numbers: those that carried
+/// an arm with soft joints make one with exact joints rear up on its hands and fall on its back.
 fn open_loop(body: BodyKind, t: f64) -> Vec<f64> {
     match body {
         BodyKind::Crawler => vec![1.0, 1.0],
         BodyKind::Arm => {
-            let arm = |a: f64| [0.81 - 0.05 * sin(a), -0.18 * sin(a + 1.09), -0.45 * sin(a + 4.07)];
-            let a = TAU * 2.47 * t;
-            [arm(a), arm(a + 3.14)].concat()
+            let arm = |a: f64| [0.92 - 0.07 * sin(a), -0.72 * sin(a + 1.65), 0.58 * sin(a + 2.69)];
+            let a = TAU * 0.52 * t;
+            [arm(a), arm(a + PI)].concat()
         }
         BodyKind::Hopper => {
             let phase = 3.26 * t;

@@ -6,23 +6,25 @@ use super::articulated::{
 use glam::DVec3;
 
 /// A creature's world, and the joints in the order of G-51.
-pub struct Creature {
-    pub world: World,
-    pub joints: Vec<JointId>,
-    pub bodies: Vec<BodyId>,
+pub(super) struct Creature {
+    pub(super) world: World,
+    pub(super) joints: Vec<JointId>,
+    pub(super) bodies: Vec<BodyId>,
+    /// Each joint with the place of its parent.
+    pub(super) specs: Vec<(usize, Joint)>,
 }
 
 /// Most a hinge, a slider and one axis of a ball may give, N·m or N (G-18).
-pub const HINGE_EFFORT: f64 = 0.0784532;
-pub const SLIDER_EFFORT: f64 = 11.76798;
-pub const BALL_EFFORT: f64 = 0.0588399;
+pub(super) const HINGE_EFFORT: f64 = 0.0784532;
+pub(super) const SLIDER_EFFORT: f64 = 11.76798;
+pub(super) const BALL_EFFORT: f64 = 0.0588399;
 
-pub const LIMB_FRICTION: f64 = 0.9;
-pub const TORSO_FRICTION: f64 = 0.3;
+pub(super) const LIMB_FRICTION: f64 = 0.9;
+pub(super) const TORSO_FRICTION: f64 = 0.3;
 
 impl Creature {
     /// Drives a degree of freedom by a command in [−1, 1] (G-18).
-    pub fn command(&mut self, joint: usize, dof: usize, command: f64) {
+    pub(super) fn command(&mut self, joint: usize, dof: usize, command: f64) {
         let id = self.joints[joint];
         let command = command.clamp(-1.0, 1.0);
         let motor = match (self.world.degrees(id), self.kinds(joint)) {
@@ -38,37 +40,39 @@ impl Creature {
         self.bodies.len() == 5 && joint % 2 == 1
     }
 
-    pub fn torso(&self) -> DVec3 {
+    pub(super) fn torso(&self) -> DVec3 {
         self.world.position(self.bodies[0])
     }
 }
 
 /// Earth's gravity over asphalt (G-47, G-48).
-pub fn earth() -> Settings {
+pub(super) fn earth() -> Settings {
     Settings { gravity: DVec3::new(0.0, 0.0, -9.81), erp: 0.2, ground: Some(Ground::level(0.9)) }
 }
 
 /// No gravity, no ground.
-pub fn space() -> Settings {
+pub(super) fn space() -> Settings {
     Settings { gravity: DVec3::ZERO, erp: 0.2, ground: None }
 }
 
 /// Grows a creature part by part.
-pub struct Growth {
-    pub model: ModelBuilder,
-    pub bodies: Vec<(BodyId, Body)>,
-    pub joints: Vec<JointId>,
+pub(super) struct Growth {
+    pub(super) model: ModelBuilder,
+    pub(super) bodies: Vec<(BodyId, Body)>,
+    pub(super) joints: Vec<JointId>,
+    pub(super) specs: Vec<(usize, Joint)>,
 }
 
 impl Growth {
-    pub fn new(settings: Settings, root: Body) -> Growth {
+    pub(super) fn new(settings: Settings, root: Body) -> Growth {
         let mut model = ModelBuilder::new(settings);
         let id = model.root(root);
-        Growth { model, bodies: vec![(id, root)], joints: vec![] }
+        Growth { model, bodies: vec![(id, root)], joints: vec![], specs: vec![] }
     }
 
     /// Attaches a box, axes along the parent's start axes, and returns its place.
-    pub fn limb(&mut self, parent: usize, size: DVec3, density: f64, joint: Joint) -> usize {
+    pub(super) fn limb(&mut self, parent: usize, size: DVec3, density: f64, joint: Joint) -> usize {
+        self.specs.push((parent, joint));
         let (parent, base) = self.bodies[parent];
         let position = base.position + joint.parent_anchor - joint.child_anchor;
         let body = Body { friction: LIMB_FRICTION, ..Body::cuboid(size, density, position) };
@@ -78,9 +82,10 @@ impl Growth {
         self.bodies.len() - 1
     }
 
-    pub fn done(self) -> Creature {
+    pub(super) fn done(self) -> Creature {
         let world = self.model.build().expect("a legal model");
-        Creature { world, joints: self.joints, bodies: self.bodies.into_iter().map(|(id, _)| id).collect() }
+        let bodies = self.bodies.into_iter().map(|(id, _)| id).collect();
+        Creature { world, joints: self.joints, bodies, specs: self.specs }
     }
 }
 
@@ -88,7 +93,12 @@ fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
 }
 
-pub fn joint(kind: JointKind, parent_anchor: DVec3, child_anchor: DVec3, stop: Option<(f64, f64)>) -> Joint {
+pub(super) fn joint(
+    kind: JointKind,
+    parent_anchor: DVec3,
+    child_anchor: DVec3,
+    stop: Option<(f64, f64)>,
+) -> Joint {
     Joint { kind, parent_anchor, child_anchor, stops: [stop, None, None] }
 }
 
@@ -97,7 +107,7 @@ fn torso(size: DVec3, density: f64, lowest: f64) -> Body {
     Body { friction: TORSO_FRICTION, ..Body::cuboid(size, density, v(0.0, 0.0, lowest + 0.001)) }
 }
 
-pub fn crawler(settings: Settings) -> Creature {
+pub(super) fn crawler(settings: Settings) -> Creature {
     let mut growth = Growth::new(settings, torso(v(0.12, 0.20, 0.05), 100.0, 0.025));
     for side in [-1.0, 1.0] {
         let hinge = JointKind::Hinge { axis: DVec3::X };
@@ -107,7 +117,7 @@ pub fn crawler(settings: Settings) -> Creature {
     growth.done()
 }
 
-pub fn arm(settings: Settings) -> Creature {
+pub(super) fn arm(settings: Settings) -> Creature {
     let mut growth = Growth::new(settings, torso(v(0.12, 0.24, 0.04), 150.0, 0.02));
     let hinge = JointKind::Hinge { axis: DVec3::X };
     let (elbow, wrist) = (2.0 * std::f64::consts::FRAC_PI_3, std::f64::consts::FRAC_PI_2);
@@ -122,7 +132,7 @@ pub fn arm(settings: Settings) -> Creature {
     growth.done()
 }
 
-pub fn hopper(settings: Settings) -> Creature {
+pub(super) fn hopper(settings: Settings) -> Creature {
     let mut growth = Growth::new(settings, torso(v(0.12, 0.12, 0.06), 150.0, 0.15));
     for side in [-1.0, 1.0] {
         let hinge = JointKind::Hinge { axis: DVec3::X };
@@ -135,7 +145,7 @@ pub fn hopper(settings: Settings) -> Creature {
     growth.done()
 }
 
-pub fn runner(settings: Settings) -> Creature {
+pub(super) fn runner(settings: Settings) -> Creature {
     let mut growth = Growth::new(settings, torso(v(0.08, 0.16, 0.04), 100.0, 0.02));
     for side in [-1.0, 1.0] {
         let shoulder = joint(JointKind::Ball, v(0.04 * side, -0.04, 0.01), v(-0.11 * side, 0.0, 0.0), None);
@@ -145,7 +155,7 @@ pub fn runner(settings: Settings) -> Creature {
 }
 
 /// Ten bodies of a flyer's size: a body, a wing-root on a ball, and two wings of four hinged segments.
-pub fn flyer(settings: Settings) -> Creature {
+pub(super) fn flyer(settings: Settings) -> Creature {
     let body = Body { shape: None, ..Body::capsule(2.0, 30.0, 0.01, v(0.0, 250.0, 0.0)) };
     let mut growth = Growth::new(settings, body);
     let bone = |length: f64, position: DVec3, orientation| Body {

@@ -6,13 +6,13 @@ use libm::{cos, sin};
 use std::f64::consts::{PI, TAU};
 
 /// A walker with its commands as a function of time.
-pub struct Gait {
-    pub name: &'static str,
-    pub body: fn(Settings) -> Creature,
-    pub commands: fn(&mut Creature, f64),
+pub(super) struct Gait {
+    pub(super) name: &'static str,
+    pub(super) body: fn(Settings) -> Creature,
+    pub(super) commands: fn(&mut Creature, f64),
 }
 
-pub const ALL: [Gait; 4] = [
+pub(super) const ALL: [Gait; 4] = [
     Gait { name: "crawler", body: bodies::crawler, commands: crawl },
     Gait { name: "arm", body: bodies::arm, commands: pull },
     Gait { name: "hopper", body: bodies::hopper, commands: hop },
@@ -24,12 +24,14 @@ fn crawl(creature: &mut Creature, _: f64) {
     creature.command(1, 0, 1.0);
 }
 
+/// Not T-19's command: that one counts on elbows that give way under load, as those of impulse joints do.
+/// Exact elbows hold, and the arms lift the torso on its tail instead of passing beneath it.
 fn pull(creature: &mut Creature, t: f64) {
     for (arm, phase) in [(0, 0.0), (3, PI)] {
-        let a = TAU * 2.47 * t + phase;
-        creature.command(arm, 0, 0.81 - 0.05 * sin(a));
-        creature.command(arm + 1, 0, -0.18 * sin(a + 1.09));
-        creature.command(arm + 2, 0, -0.45 * sin(a + 4.07));
+        let a = TAU * 2.59 * t + phase;
+        creature.command(arm, 0, 0.93 + 0.33 * sin(a));
+        creature.command(arm + 1, 0, 0.11 + 0.15 * sin(a + 5.5));
+        creature.command(arm + 2, 0, -0.22 + 0.15 * sin(a + 0.75));
     }
 }
 
@@ -54,7 +56,7 @@ fn run(creature: &mut Creature, t: f64) {
 }
 
 /// Beats a flyer's wings at 1/4 Hz, each segment a little later than the one before.
-pub fn flap(creature: &mut Creature, t: f64) {
+pub(super) fn flap(creature: &mut Creature, t: f64) {
     for (k, id) in creature.joints.clone().into_iter().enumerate() {
         for dof in 0..creature.world.degrees(id) {
             let rate = 2.0 * sin(TAU * 0.25 * t - 0.4 * (k % 4) as f64);

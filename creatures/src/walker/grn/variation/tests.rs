@@ -68,7 +68,7 @@ fn mutations_do_what_they_say_at_their_shares() {
         }
     }
     for (operator, share) in [("tag", 6000), ("add", 1500), ("remove", 1500), ("scaling", 1000)] {
-        assert!((counts[operator] - share as i32).abs() < 200, "{counts:?}");
+        assert!((counts[operator] - share).abs() < 200, "{counts:?}");
     }
 }
 

@@ -186,7 +186,7 @@ fn mutations_do_what_they_say_at_their_shares() {
         }
     }
     for (operator, expected) in [("add_node", 300), ("add_link", 700), ("weights", 1000)] {
-        assert!((counts[operator] - expected as i32).abs() < 120, "{counts:?}");
+        assert!((counts[operator] - expected).abs() < 120, "{counts:?}");
     }
 }
 
