@@ -19,6 +19,7 @@ use proto::v1::worker_message::Kind as Outgoing;
 use serde_json::{Value, json};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqliteSynchronous};
 use sqlx::{ConnectOptions as _, Connection as _, Row as _};
+use tonic::transport::Channel;
 
 /// Rows in one INSERT, as the lineage's writer has it.
 const BATCH: usize = 32;
@@ -170,7 +171,7 @@ async fn restart(folder: &Path, file: &Path) -> anyhow::Result<f64> {
         ensure!(start.elapsed() < Duration::from_secs(60), "no address:\n{}", coordinator.log());
         tokio::time::sleep(Duration::from_millis(1)).await;
     };
-    let mut fleet = FleetClient::connect(format!("http://{address}")).await?;
+    let mut fleet = FleetClient::new(Channel::from_shared(format!("http://{address}"))?.connect().await?);
     let hello = v1::Hello {
         protocol: proto::PROTOCOL,
         name: "bench".to_owned(),
