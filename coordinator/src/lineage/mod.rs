@@ -33,7 +33,7 @@ pub use entry::{
 pub use error::{OpenError, QueryError, ReadError, WriteError};
 pub use id::{ExperimentId, IndividualId, StageId};
 pub use hash::ExperimentHash;
-pub use individual::{Link, Portrait};
+pub use individual::{AttemptLine, Link, Portrait};
 pub use pedigree::Ancestor;
 pub use query::{Answer, Cell, Limits, VIEWS};
 pub use reader::Reader;

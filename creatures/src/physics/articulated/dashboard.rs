@@ -46,7 +46,7 @@ impl World {
     /// If the joint has no such degree of freedom.
     pub fn coordinate(&self, joint: JointId, dof: usize) -> f64 {
         let link = self.link(joint, dof);
-        link.coordinate(&self.bodies[link.parent].pose, &self.bodies[joint.0 + 1].pose, dof)
+        link.coordinates(&self.bodies[link.parent].pose, &self.bodies[joint.0 + 1].pose)[dof]
     }
 
     /// The rate of child against parent along a degree of freedom, rad/s or m/s: what its motor sees.

@@ -27,7 +27,7 @@ impl Creature {
     pub(super) fn command(&mut self, joint: usize, dof: usize, command: f64) {
         let id = self.joints[joint];
         let command = command.clamp(-1.0, 1.0);
-        let motor = match (self.world.degrees(id), self.kinds(joint)) {
+        let motor = match (self.world.degrees(id), self.is_slider(joint)) {
             (3, _) => Motor { rate: 10.0 * command, effort: BALL_EFFORT },
             (_, true) => Motor { rate: command, effort: SLIDER_EFFORT },
             _ => Motor { rate: 10.0 * command, effort: HINGE_EFFORT },
@@ -35,9 +35,17 @@ impl Creature {
         self.world.drive(id, dof, motor);
     }
 
-    /// Whether a joint is a slider: of these creatures, the hopper's second and fourth.
-    fn kinds(&self, joint: usize) -> bool {
-        self.bodies.len() == 5 && joint % 2 == 1
+    /// Drives every degree of freedom by a command of its own.
+    pub(super) fn command_all(&mut self, mut command: impl FnMut() -> f64) {
+        for joint in 0..self.joints.len() {
+            for dof in 0..self.world.degrees(self.joints[joint]) {
+                self.command(joint, dof, command());
+            }
+        }
+    }
+
+    fn is_slider(&self, joint: usize) -> bool {
+        matches!(self.specs[joint].1.kind, JointKind::Slider { .. })
     }
 
     pub(super) fn torso(&self) -> DVec3 {

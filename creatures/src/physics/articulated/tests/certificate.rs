@@ -128,11 +128,8 @@ fn certify(before: &World, after: &World, specs: &[Spec], dt: f64) -> Result<(),
             let link = &after.links[index];
             let impulse = link.dofs()[dof].impulse;
             row.add_to(&mut momentum, impulse);
-            let coordinate = before.links[index].coordinate(
-                &before.bodies[spec.parent].pose,
-                &before.bodies[index + 1].pose,
-                dof,
-            );
+            let joint = before.joints().nth(index).unwrap();
+            let coordinate = before.coordinate(joint, dof);
             let law = Law {
                 motor: link.dofs()[dof].motor,
                 stops: spec.joint.stops[dof],
