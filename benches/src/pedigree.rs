@@ -6,7 +6,8 @@ use std::time::Instant;
 
 use anyhow::Context;
 use coordinator::lineage::{
-    Attempt, CloseGeneration, Ending, Evaluated, Fate, IndividualId, Lineage, NewExperiment, NewStage, OpenGeneration,
+    Attempt, CloseGeneration, Ending, Evaluated, Fate, IndividualId, Lineage, NewExperiment, NewStage,
+    OpenGeneration,
 };
 use creatures::{Outcome, Status};
 use search::{Experiment, Individual, Overrides, Place};
@@ -89,7 +90,8 @@ pub async fn make(path: &Path, size: Size) -> anyhow::Result<Made> {
             let mut evaluated = Vec::new();
             for (individual, id) in individuals.iter().zip(ids) {
                 let (ending, outcome) = live(individual, generation, &previous, &current);
-                let attempts = if matches!(ending, Ending::Settled(_)) { vec![attempt(&outcome)] } else { Vec::new() };
+                let attempts =
+                    if matches!(ending, Ending::Settled(_)) { vec![attempt(&outcome)] } else { Vec::new() };
                 evaluated.push(Evaluated { individual: id, ending, ruling: None, attempts });
                 current.push((id, Some(outcome)));
             }
@@ -158,7 +160,8 @@ fn live(
         return (Ending::Inherits(*giver), outcome.clone().expect("a giver has lived"));
     }
     let place = Place { stage: 0, generation: 0, index: 0 };
-    let sum = individual.genotype.iter().fold(0u64, |sum, &byte| sum.wrapping_mul(31).wrapping_add(byte.into()));
+    let sum =
+        individual.genotype.iter().fold(0u64, |sum, &byte| sum.wrapping_mul(31).wrapping_add(byte.into()));
     let mut draws = place.stream(sum, "life");
     let names =
         ["dis", "x", "y", "peak_height", "peak_speed", "turns", "idle_share", "grn_collapse", "straightness"];

@@ -29,8 +29,7 @@ fn finished() -> &'static Path {
 fn best() -> String {
     let best = json(finished(), &["best", "last"]);
     let text = best.to_string();
-    let individual =
-        best.pointer("/0/id").unwrap_or_else(|| panic!("no best individual in {text}"));
+    let individual = best.pointer("/0/id").unwrap_or_else(|| panic!("no best individual in {text}"));
     individual.to_string()
 }
 

@@ -45,7 +45,13 @@ async fn main() -> anyhow::Result<()> {
     let written = size.individuals() as f64 / made.seconds;
     let bare = bare_rate(&file, &folder.path().join("bare.db")).await?;
     report.row(&[json!("individuals written"), json!(written), json!("1/s"), Value::Null, Value::Null]);
-    report.row(&[json!("bare SQLite, same rows"), json!(bare), json!("1/s"), json!(written), json!(written / bare)]);
+    report.row(&[
+        json!("bare SQLite, same rows"),
+        json!(bare),
+        json!("1/s"),
+        json!(written),
+        json!(written / bare),
+    ]);
 
     let reader = Reader::open(&file).await?;
     for (what, line) in [("one line of ancestors", true), ("whole pedigree", false)] {
@@ -55,13 +61,28 @@ async fn main() -> anyhow::Result<()> {
             found = reader.ancestry(made.youngest, 0, line).await?.len();
             milliseconds = milliseconds.min(start.elapsed().as_secs_f64() * 1000.0);
         }
-        ensure!(found >= size.generations as usize - 1, "{what}: {found} ancestors do not reach the founders");
-        report.row(&[json!(format!("{what} ({found})")), json!(milliseconds), json!("ms"), Value::Null, Value::Null]);
+        ensure!(
+            found >= size.generations as usize - 1,
+            "{what}: {found} ancestors do not reach the founders"
+        );
+        report.row(&[
+            json!(format!("{what} ({found})")),
+            json!(milliseconds),
+            json!("ms"),
+            Value::Null,
+            Value::Null,
+        ]);
     }
     reader.close().await;
 
     let bytes = bytes_besides_genotypes(&file, size.individuals()).await?;
-    report.row(&[json!("an individual besides its genotype"), json!(bytes), json!("bytes"), Value::Null, Value::Null]);
+    report.row(&[
+        json!("an individual besides its genotype"),
+        json!(bytes),
+        json!("bytes"),
+        Value::Null,
+        Value::Null,
+    ]);
 
     let mut seconds = f64::INFINITY;
     for _ in 0..3 {
@@ -88,7 +109,9 @@ async fn bare_rate(from: &Path, to: &Path) -> anyhow::Result<f64> {
     let mut source = options(from).connect().await?;
     let mut target = options(to).connect().await?;
     let mut tables = Vec::new();
-    for (table, key) in [("individual", "id"), ("parent", "child"), ("genotype", "individual"), ("outcome", "individual")] {
+    for (table, key) in
+        [("individual", "id"), ("parent", "child"), ("genotype", "individual"), ("outcome", "individual")]
+    {
         let schema: String = sqlx::query_scalar("SELECT sql FROM sqlite_schema WHERE name = ?")
             .bind(table)
             .fetch_one(&mut source)
@@ -148,7 +171,8 @@ async fn insert(
 /// Bytes of the file that are no genotype's, an individual.
 async fn bytes_besides_genotypes(file: &Path, individuals: u64) -> anyhow::Result<f64> {
     let mut connection = SqliteConnectOptions::new().filename(file).read_only(true).connect().await?;
-    let genotypes: i64 = sqlx::query_scalar("SELECT sum(length(bytes)) FROM genotype").fetch_one(&mut connection).await?;
+    let genotypes: i64 =
+        sqlx::query_scalar("SELECT sum(length(bytes)) FROM genotype").fetch_one(&mut connection).await?;
     connection.close().await?;
     let whole = std::fs::metadata(file)?.len();
     Ok((whole as f64 - genotypes as f64) / individuals as f64)

@@ -26,6 +26,11 @@ async fn main() -> anyhow::Result<()> {
     let Arguments { file, runs, generations, population } = Arguments::parse();
     let size = Size { runs, generations, population };
     let made = make(&file, size).await?;
-    println!("{} individuals; {:.1} s of writing; youngest {}", size.individuals(), made.seconds, made.youngest);
+    println!(
+        "{} individuals; {:.1} s of writing; youngest {}",
+        size.individuals(),
+        made.seconds,
+        made.youngest
+    );
     Ok(())
 }
