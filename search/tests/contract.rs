@@ -16,7 +16,8 @@ fn plan(kind: &str, body: &str) -> Box<dyn Plan> {
         // Structure grows fast enough to be seen within a few generations.
         table["neat"] = json!({ "add_node": 0.2, "add_link": 0.3, "weights": 0.4, "interspecies": 0.1 });
     }
-    registry::kind(&table, system).unwrap().plan(table, &json!({ "body": body })).unwrap()
+    let kind = registry::kind(&table, system).expect("the kind fits");
+    kind.plan(table, &json!({ "body": body })).expect("the table is legal")
 }
 
 const SEARCHES: [(&str, &str); 4] =
