@@ -120,7 +120,7 @@ impl ExperimentsService {
 
     fn progress(&self, id: ExperimentId) -> Option<v1::Progress> {
         let counts = self.driver.progress(id)?.counts();
-        let fleet = self.driver.fleet().summary().borrow().clone();
+        let fleet = *self.driver.fleet().summary().borrow();
         Some(v1::Progress {
             evaluated: counts.evaluated,
             planned: counts.planned.unwrap_or(0),
