@@ -259,7 +259,8 @@ impl v1::experiments_server::Experiments for ExperimentsService {
     }
 }
 
-fn render_summary(summary: Summary) -> v1::Experiment {
+/// An experiment as it stands in the lineage, for a coordinator's answers and for those read from a file.
+pub fn render_summary(summary: Summary) -> v1::Experiment {
     v1::Experiment {
         id: summary.id.0,
         name: summary.name,
