@@ -5,13 +5,12 @@
 use std::path::Path;
 use std::pin::Pin;
 
-use coordinator::lineage::{ExperimentId, OpenError, Reader};
+use coordinator::lineage::{OpenError, ReadError, Reader};
 use coordinator::service::experiments::render_summary;
 use coordinator::service::lineage::{LineageService, OWN, status};
 use hyper_util::rt::TokioIo;
+use proto::v1;
 use proto::v1::experiments_server::{Experiments, ExperimentsServer};
-use proto::v1::lineage_server::LineageServer;
-use proto::{MESSAGE_SIZE_MAX, v1};
 use tokio_stream::{Stream, StreamExt};
 use tonic::transport::{Channel, Endpoint, Server};
 use tonic::{Request, Response, Status};
@@ -30,11 +29,8 @@ pub(super) async fn serve(path: &Path) -> Result<Channel, Failure> {
     let (ours, theirs) = tokio::io::duplex(PIPE_SIZE);
     let once = tokio_stream::once(Ok::<_, std::io::Error>(theirs)).chain(tokio_stream::pending());
     let router = Server::builder()
-        .add_service(
-            LineageServer::new(LineageService::within(reader.clone(), OWN))
-                .max_encoding_message_size(MESSAGE_SIZE_MAX),
-        )
-        .add_service(ExperimentsServer::new(Stored { reader }).max_encoding_message_size(MESSAGE_SIZE_MAX));
+        .add_service(LineageService::within(reader.clone(), OWN).into_server())
+        .add_service(ExperimentsServer::new(Stored { reader }));
     tokio::spawn(async move {
         if let Err(error) = router.serve_with_incoming(once).await {
             tracing::warn!("the service in this process ended: {error}");
@@ -63,16 +59,8 @@ fn refusal(error: OpenError) -> Failure {
 
 /// The `Experiments` service as far as a file can answer: what there is, and how far it was when last
 /// written.
-#[derive(Clone)]
 struct Stored {
     reader: Reader,
-}
-
-impl Stored {
-    async fn summaries(&self, of: Option<&[ExperimentId]>) -> Result<Vec<v1::Experiment>, Status> {
-        let summaries = self.reader.summaries(of).await.map_err(status)?;
-        Ok(summaries.into_iter().map(render_summary).collect())
-    }
 }
 
 /// What only a coordinator can do.
@@ -83,15 +71,18 @@ fn needs_coordinator<T>() -> Result<Response<T>, Status> {
 #[tonic::async_trait]
 impl Experiments for Stored {
     async fn list(&self, _: Request<v1::ListRequest>) -> Result<Response<v1::ListReply>, Status> {
-        Ok(Response::new(v1::ListReply { experiments: self.summaries(None).await? }))
+        let summaries = self.reader.summaries(None).await.map_err(status)?;
+        Ok(Response::new(v1::ListReply { experiments: summaries.into_iter().map(render_summary).collect() }))
     }
 
     async fn get(&self, request: Request<v1::GetRequest>) -> Result<Response<v1::Experiment>, Status> {
-        let id = self.reader.find_one(&request.into_inner().experiment).await.map_err(status)?;
-        let stored = self.reader.experiment(id).await.map_err(status)?;
-        let summary = self.summaries(Some(&[id])).await?.pop();
-        let summary = summary.ok_or_else(|| Status::not_found(format!("experiment {id} is gone")))?;
-        Ok(Response::new(v1::Experiment { resolved: stored.resolved, ..summary }))
+        let reference = request.into_inner().experiment;
+        let id = self.reader.find_one(&reference).await.map_err(status)?;
+        let mut summaries = self.reader.summaries(Some(&[id])).await.map_err(status)?;
+        let summary = summaries.pop();
+        let summary = summary.ok_or_else(|| status(ReadError::NotFound { what: "experiment", reference }))?;
+        let resolved = self.reader.experiment(id).await.map_err(status)?.resolved;
+        Ok(Response::new(v1::Experiment { resolved, ..render_summary(summary) }))
     }
 
     async fn submit(&self, _: Request<v1::SubmitRequest>) -> Result<Response<v1::SubmitReply>, Status> {
