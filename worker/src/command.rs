@@ -4,9 +4,10 @@
 use crate::config::{Config, ConfigError};
 use crate::session::run;
 use crate::tasks::chain;
+use std::error::Error;
 use std::io::{IsTerminal, Read};
 use std::process::{ExitCode, exit};
-use std::{io, thread};
+use std::{env, io, thread};
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::mpsc;
 use tracing_subscriber::EnvFilter;
@@ -53,14 +54,13 @@ impl Arguments {
 /// Runs a worker until it is drained or refused. SIGTERM or Ctrl-C drains it, a second one ends the process
 /// at once.
 pub fn execute(arguments: Arguments) -> ExitCode {
-    let config = match arguments.config() {
+    let config = match log().and_then(|()| Ok(arguments.config()?)) {
         Ok(config) => config,
         Err(error) => {
-            eprintln!("error: {error}");
+            eprintln!("error: {}", chain(&*error));
             return ExitCode::from(USAGE);
         }
     };
-    log();
     if arguments.leashed {
         thread::spawn(leash);
     }
@@ -74,7 +74,7 @@ pub fn execute(arguments: Arguments) -> ExitCode {
 }
 
 /// One thread is enough for the stream; the others are the slots'.
-fn serve(config: Config) -> Result<(), Box<dyn std::error::Error>> {
+fn serve(config: Config) -> Result<(), Box<dyn Error>> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     runtime.block_on(async {
         let mut signals = signals()?;
@@ -110,8 +110,11 @@ fn leash() {
 
 /// Logs to standard error, as `HATCHERY_LOG` says: for people on a terminal, a JSON object a line otherwise.
 /// A process that logs already goes on as it did.
-fn log() {
-    let filter = EnvFilter::try_from_env("HATCHERY_LOG").unwrap_or_else(|_| EnvFilter::new("info"));
+fn log() -> Result<(), Box<dyn Error>> {
+    let wanted = env::var("HATCHERY_LOG").unwrap_or_default();
+    let wanted = if wanted.is_empty() { "info" } else { &wanted };
+    let filter = EnvFilter::try_new(wanted).map_err(|error| format!("HATCHERY_LOG `{wanted}`: {error}"))?;
     let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(io::stderr);
     let _ = if io::stderr().is_terminal() { log.try_init() } else { log.json().try_init() };
+    Ok(())
 }

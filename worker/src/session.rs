@@ -60,12 +60,14 @@ pub async fn run(config: Config, shutdown: impl Future<Output = ()>) -> Result<(
     let mut shutdown = pin!(shutdown);
     let mut backoff = Backoff::new();
     let mut lineage = Bytes::new();
+    let mut told = String::new(); // a coordinator that stays away is worth one line
     loop {
         let end = tokio::select! {
             () = &mut shutdown => return Ok(()),
             attached = attach(&config, &slots, &mut lineage) => match attached {
                 Ok(session) => {
                     backoff.reset();
+                    told.clear();
                     session.work(&slots, shutdown.as_mut()).await
                 }
                 Err(end) => end,
@@ -74,12 +76,20 @@ pub async fn run(config: Config, shutdown: impl Future<Output = ()>) -> Result<(
         match end {
             End::Drained => return Ok(()),
             End::Refused(status) => return Err(refused(&config, status)),
-            End::Lost(reason) => tracing::warn!(coordinator = %config.coordinator.uri(), "{reason}"),
-        }
-        slots.recall();
-        tokio::select! {
-            () = &mut shutdown => return Ok(()),
-            () = sleep(backoff.wait()) => {}
+            End::Lost(reason) => {
+                slots.recall();
+                let (coordinator, wait) = (config.coordinator.uri(), backoff.wait());
+                if reason == told {
+                    tracing::debug!(%coordinator, ?wait, "{reason}");
+                } else {
+                    tracing::warn!(%coordinator, ?wait, "{reason}");
+                }
+                told = reason;
+                tokio::select! {
+                    () = &mut shutdown => return Ok(()),
+                    () = sleep(wait) => {}
+                }
+            }
         }
     }
 }
@@ -236,10 +246,12 @@ impl Session {
                     None => stirred = self.report(slots),
                 },
                 Event::Stirred => stirred = true,
-                Event::Beat if self.outgoing.is_empty() => {
-                    self.outgoing.push_back(Outgoing::Heartbeat(v1::Heartbeat {}));
+                Event::Beat => {
+                    stirred = true; // no report waits for company longer than this
+                    if self.outgoing.is_empty() {
+                        self.outgoing.push_back(Outgoing::Heartbeat(v1::Heartbeat {}));
+                    }
                 }
-                Event::Beat => {}
                 Event::Shutdown => {
                     tracing::info!("draining");
                     self.draining = true;

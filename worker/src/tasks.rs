@@ -87,12 +87,15 @@ fn read(registry: Registry, text: &v1::Task) -> Ready {
     }
 }
 
-/// An error and all its causes on one line.
+/// An error and all its causes on one line. Causes that their error has told already are left out.
 pub(crate) fn chain(error: &dyn Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();
     while let Some(error) = cause {
-        text = format!("{text}: {error}");
+        let told = error.to_string();
+        if !text.ends_with(&told) {
+            text = format!("{text}: {told}");
+        }
         cause = error.source();
     }
     text
@@ -155,6 +158,21 @@ mod tests {
         let hash = proto::task_hash("probe", 1, "{}");
         let failure = Tasks::new(creatures::system).find(hash).map(drop).unwrap_err();
         assert_eq!(failure.reason, format!("task {hash} was not sent before its evaluation"));
+    }
+
+    #[test]
+    fn an_error_is_told_with_each_cause_once() {
+        #[derive(Debug, thiserror::Error)]
+        enum Layer {
+            #[error("no coordinator")]
+            Outer(#[source] Box<Layer>),
+            #[error("refused: {0}")]
+            Repeating(#[source] Box<Layer>),
+            #[error("port 9")]
+            Inner,
+        }
+        let error = Layer::Outer(Box::new(Layer::Repeating(Box::new(Layer::Inner))));
+        assert_eq!(chain(&error), "no coordinator: refused: port 9");
     }
 
     #[test]

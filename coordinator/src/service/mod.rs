@@ -1,3 +1,9 @@
 //! The gRPC services: each parses, calls and renders. None of them decides anything.
 
+pub mod evaluation;
+pub mod experiments;
+pub mod fleet;
 pub mod lineage;
+
+pub use evaluation::evaluation;
+pub use fleet::fleet;

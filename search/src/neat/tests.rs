@@ -73,7 +73,12 @@ fn a_clone_is_always_mutated_and_a_crossover_as_often_as_the_rates_say() {
     let (search, next) = second_generation(json!({}), 10_000, scattered);
     let bred: Vec<&Individual> = next.iter().filter(|one| one.operator != "champion").collect();
     let clones: Vec<&&Individual> = bred.iter().filter(|one| one.operator.starts_with("clone")).collect();
-    assert!((clones.len() as f64 / bred.len() as f64 - 0.2).abs() < 0.03);
+    let expected: f64 = ranked(&search)
+        .iter()
+        .map(|(members, quota)| f64::from(quota - 1) * (0.2 + 0.8 / members.len().div_ceil(5) as f64))
+        .sum();
+    let error = (clones.len() as f64 - expected) / bred.len() as f64;
+    assert!(error.abs() < 0.015, "{} clones where {expected} are expected", clones.len());
     for clone in clones {
         assert!(clone.operator.contains('+'));
         let parent = clone.parents[0].place.index as usize;

@@ -15,7 +15,7 @@ use super::spatial::{Inertia, Six};
 use glam::DVec3;
 
 /// Friction of an accepted step lies between this share and the whole of Coulomb's cone.
-const FRICTION_SHARE: f64 = 0.98;
+const FRICTION_SHARE: f64 = 0.99;
 /// A point that leaves the ground by less than this, m/s, need not switch.
 const RATE_SLACK: f64 = 1e-10;
 
@@ -86,9 +86,23 @@ pub(super) enum Hold {
     Open,
     /// Normal impulse, and friction of `drag` kg times the tangential velocity.
     Drag { drag: f64 },
-    /// Normal impulse, and friction that follows it, against a sliding direction along the tangents:
-    /// Newton's linearisation about that direction, which leaves the speed free and resists turning.
-    Slide { direction: [f64; 2], turning: f64 },
+    /// Normal impulse, and friction of `fixed + follow · normal impulse` against a sliding direction along the
+    /// tangents: Newton's linearisation about that direction, which leaves the speed free and resists
+    /// turning.
+    Slide { direction: [f64; 2], turning: f64, fixed: f64, follow: f64 },
+    /// The impulses that stand in the contact, whatever the velocity.
+    Given,
+}
+
+/// How a contact that slides is linearised: from quadratic convergence to certain convergence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Patience {
+    /// Friction follows the normal impulse within the round.
+    Newton,
+    /// Friction is that of the round before: a round is then the minimum of a convex function.
+    Lagged,
+    /// And its size at the speed of the round before, which cannot overshoot.
+    Drag,
 }
 
 /// A point at or near the ground.
@@ -106,6 +120,8 @@ pub(super) struct Contact {
     /// Rows of the normal and the two tangents: twist to velocity of the point.
     pub(super) rows: [Six; 3],
     pub(super) hold: Hold,
+    /// The normal impulse that friction is thought to belong to, N·s.
+    load: f64,
     /// Solved normal impulse, N·s.
     pub(super) pressure: f64,
     /// Solved friction impulse along the tangents, N·s.
@@ -137,13 +153,14 @@ impl Contact {
             release,
             rows,
             hold: Hold::Open,
+            load: 0.0,
             pressure: 0.0,
             shear: [0.0; 2],
         };
         let expected = footing.gain * (release - rows[0].dot(twist));
         if expected > 0.0 {
-            let pressure = if pressure > 0.0 { pressure } else { expected };
-            contact.hold = contact.grip(footing, pressure, contact.slip(twist), false);
+            contact.load = if pressure > 0.0 { pressure } else { expected };
+            contact.hold = contact.grip(footing, contact.slip(twist), Patience::Newton);
         }
         contact
     }
@@ -154,17 +171,25 @@ impl Contact {
         let mut push = *normal;
         match self.hold {
             Hold::Open => return,
+            Hold::Given => {
+                momentum.add_scaled(normal, self.pressure);
+                momentum.add_scaled(first, self.shear[0]);
+                momentum.add_scaled(second, self.shear[1]);
+                return;
+            }
             Hold::Drag { drag } => {
                 inertia.add_outer(first, first, drag);
                 inertia.add_outer(second, second, drag);
             }
-            Hold::Slide { direction: [x, y], turning } => {
+            Hold::Slide { direction: [x, y], turning, fixed, follow } => {
                 let mut across = Six::ZERO;
                 across.add_scaled(first, -y);
                 across.add_scaled(second, x);
                 inertia.add_outer(&across, &across, turning);
-                push.add_scaled(first, -self.friction * x);
-                push.add_scaled(second, -self.friction * y);
+                push.add_scaled(first, -follow * x);
+                push.add_scaled(second, -follow * y);
+                momentum.add_scaled(first, -fixed * x);
+                momentum.add_scaled(second, -fixed * y);
             }
         }
         inertia.add_outer(&push, normal, footing.gain);
@@ -172,9 +197,8 @@ impl Contact {
     }
 
     /// Reads impulses off a solved twist and says what the contact should have done; the same as
-    /// [`Contact::hold`] if it did that. `patient` is for late rounds: it gives up Newton's speed for steps
-    /// that cannot overshoot.
-    pub(super) fn judge(&mut self, footing: &Footing, twist: &Six, patient: bool) -> Hold {
+    /// [`Contact::hold`] if it did that.
+    pub(super) fn judge(&mut self, footing: &Footing, twist: &Six, patience: Patience) -> Hold {
         let normal = self.rows[0].dot(twist);
         let slip = self.slip(twist);
         let speed = length(slip);
@@ -183,62 +207,86 @@ impl Contact {
             Hold::Open if normal >= self.release - RATE_SLACK => (0.0, [0.0; 2]),
             Hold::Open => {
                 (self.pressure, self.shear) = (0.0, [0.0; 2]);
-                return self.grip(footing, pressure, slip, patient);
+                if patience == Patience::Newton {
+                    self.load = pressure;
+                }
+                return self.grip(footing, slip, patience);
             }
+            Hold::Given => return Hold::Given,
             Hold::Drag { drag } => (pressure, [-drag * slip[0], -drag * slip[1]]),
-            Hold::Slide { direction: [x, y], turning } => {
+            Hold::Slide { direction: [x, y], turning, fixed, follow } => {
                 let across = turning * (x * slip[1] - y * slip[0]);
-                let along = self.friction * pressure;
+                let along = fixed + follow * pressure;
                 (pressure, [-along * x + across * y, -along * y - across * x])
             }
         };
         (self.pressure, self.shear) = (pressure, shear);
         let cone = self.coulomb * pressure;
-        let share = length(shear);
+        let against = -(shear[0] * slip[0] + shear[1] * slip[1]);
         let holds = match self.hold {
-            Hold::Open => true,
-            _ if pressure < 0.0 => return Hold::Open,
-            _ if share > cone => false,
-            Hold::Slide { direction: [x, y], .. } => {
-                share >= FRICTION_SHARE * cone && x * slip[0] + y * slip[1] >= footing.slip_speed
+            Hold::Open | Hold::Given => true,
+            _ if pressure < 0.0 => {
+                // Should it come back, then with less friction: too much of it may have lifted the point.
+                self.load *= 0.5;
+                return Hold::Open;
             }
-            Hold::Drag { .. } if speed >= footing.slip_speed => share >= FRICTION_SHARE * cone,
-            // Below the slip speed the drag may be off by a factor of two: the slip speed is a bound of what
-            // cannot be seen, not a quantity.
-            Hold::Drag { drag } => drag * footing.slip_speed >= 0.5 * cone,
+            _ if length(shear) > cone => false,
+            Hold::Slide { direction: [x, y], .. } if x * slip[0] + y * slip[1] < footing.slip_speed => false,
+            // Below the slip speed the drag may be too small by half: the slip speed is a bound of what cannot
+            // be seen, not a quantity.
+            Hold::Drag { drag } if speed < footing.slip_speed => drag * footing.slip_speed >= 0.5 * cone,
+            Hold::Slide { .. } | Hold::Drag { .. } => against >= FRICTION_SHARE * cone * speed,
         };
-        if holds { self.hold } else { self.grip(footing, pressure, slip, patient) }
+        if holds {
+            return self.hold;
+        }
+        self.load = if patience == Patience::Newton { pressure } else { 0.5 * (self.load + pressure) };
+        self.grip(footing, slip, patience)
     }
 
-    /// How a contact under a pressure holds at a tangential velocity.
-    fn grip(&self, footing: &Footing, pressure: f64, slip: [f64; 2], patient: bool) -> Hold {
-        let friction = self.friction * pressure;
+    /// How a contact under its load holds at a tangential velocity.
+    fn grip(&self, footing: &Footing, slip: [f64; 2], patience: Patience) -> Hold {
+        let friction = self.friction * self.load;
         let speed = length(slip);
         let backwards = match self.hold {
             Hold::Slide { direction: [x, y], .. } => x * slip[0] + y * slip[1] <= 0.0,
-            Hold::Open | Hold::Drag { .. } => false,
+            Hold::Open | Hold::Drag { .. } | Hold::Given => false,
         };
         if speed <= footing.slip_speed || backwards {
             Hold::Drag { drag: friction / footing.slip_speed }
-        } else if patient {
-            let drag = friction / speed;
-            Hold::Drag {
-                drag: if let Hold::Drag { drag: last } = self.hold { 0.5 * (drag + last) } else { drag },
-            }
         } else {
             let direction = [slip[0] / speed, slip[1] / speed];
-            Hold::Slide { direction, turning: friction / speed }
+            let turning = friction / speed;
+            match patience {
+                Patience::Newton => Hold::Slide { direction, turning, fixed: 0.0, follow: self.friction },
+                Patience::Lagged => Hold::Slide { direction, turning, fixed: friction, follow: 0.0 },
+                Patience::Drag => Hold::Drag { drag: turning },
+            }
         }
     }
 
-    /// Turns sliding friction, which follows the normal impulse, into drag, which does not; returns whether it
-    /// was sliding.
-    pub(super) fn let_go(&mut self) -> bool {
-        if let Hold::Slide { turning, .. } = self.hold {
-            self.hold = Hold::Drag { drag: turning };
-            return true;
+    /// Cuts the impulses that its law gives at a twist to a push within the cone, and takes them as given.
+    pub(super) fn clamp(&mut self, footing: &Footing, twist: &Six) {
+        self.judge(footing, twist, Patience::Drag);
+        self.pressure = if self.pressure > 0.0 { self.pressure } else { 0.0 };
+        let (share, cone) = (length(self.shear), self.coulomb * self.pressure);
+        if share > cone {
+            self.shear = self.shear.map(|x| x * (cone / share));
         }
-        false
+        self.hold = Hold::Given;
+    }
+
+    /// Friction that follows the normal impulse can wedge a point: the more it is held, the harder it is
+    /// pressed, and the linearised system is not regular. Such a point sticks. Returns whether this one
+    /// could have been it.
+    pub(super) fn wedge(&mut self, footing: &Footing, twist: &Six) -> bool {
+        let Hold::Slide { follow, .. } = self.hold else { return false };
+        if follow > 0.0 {
+            let pressure = footing.gain * (self.release - self.rows[0].dot(twist));
+            let drag = if pressure > 0.0 { self.friction * pressure / footing.slip_speed } else { 0.0 };
+            self.hold = Hold::Drag { drag };
+        }
+        follow > 0.0
     }
 
     /// Velocity along the tangents, m/s.

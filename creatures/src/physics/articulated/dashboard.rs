@@ -46,7 +46,7 @@ impl World {
     /// If the joint has no such degree of freedom.
     pub fn coordinate(&self, joint: JointId, dof: usize) -> f64 {
         let link = self.link(joint, dof);
-        link.coordinate(&self.bodies[link.parent].pose, &self.bodies[joint.0 + 1].pose, dof)
+        link.coordinates(&self.bodies[link.parent].pose, &self.bodies[joint.0 + 1].pose)[dof]
     }
 
     /// The rate of child against parent along a degree of freedom, rad/s or m/s: what its motor sees.
@@ -79,14 +79,14 @@ impl World {
         link
     }
 
-    /// How many bodies there are.
-    pub fn body_count(&self) -> usize {
-        self.bodies.len()
+    /// Every body, in the order of attachment.
+    pub fn bodies(&self) -> impl ExactSizeIterator<Item = BodyId> + use<> {
+        (0..self.bodies.len()).map(BodyId)
     }
 
-    /// How many joints there are.
-    pub fn joint_count(&self) -> usize {
-        self.links.len()
+    /// Every joint, in the order of attachment.
+    pub fn joints(&self) -> impl ExactSizeIterator<Item = JointId> + use<> {
+        (0..self.links.len()).map(JointId)
     }
 
     /// Centre of mass, m, world frame.

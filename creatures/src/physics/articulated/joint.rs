@@ -8,7 +8,7 @@
 
 use super::model::{Joint, JointKind, StopRule};
 use super::spatial::Six;
-use super::staircase::{Motor, Staircase, Tread};
+use super::staircase::{Demand, Motor, Staircase, Tread};
 use crate::math;
 use glam::{DMat3, DQuat, DVec3};
 
@@ -40,6 +40,8 @@ pub(super) struct Degree {
     pub(super) motor: Motor,
     pub(super) stops: Option<(f64, f64)>,
     pub(super) staircase: Staircase,
+    /// An impulse that holds whatever the staircase says: the last resort of a step (see `rounds`).
+    pub(super) given: Option<f64>,
     /// Its place on the staircase, kept from step to step.
     pub(super) tread: Tread,
     /// The twist at the reference point of a unit rate.
@@ -56,6 +58,24 @@ pub(super) struct Degree {
     pub(super) mobility: f64,
     /// Of the elimination: the rate if the parent stood still.
     pub(super) drift: f64,
+}
+
+impl Degree {
+    /// Starts a step at a coordinate, which matters only if there are stops.
+    fn begin(&mut self, coordinate: f64, pace: &Pace) {
+        let (low, high) = match self.stops {
+            None => (f64::NEG_INFINITY, f64::INFINITY),
+            Some(stops) => stop_rates(stops, coordinate, pace),
+        };
+        self.staircase = Staircase::new(self.motor, low, high, pace.dt);
+        self.tread = self.staircase.warm(self.tread);
+        self.given = None;
+    }
+
+    /// What it asks of a round.
+    pub(super) fn demand(&self) -> Demand {
+        self.given.map_or_else(|| self.staircase.demand(self.tread), Demand::Free)
+    }
 }
 
 /// A joint, its constants and its state.
@@ -107,6 +127,7 @@ impl Link {
                 motor: Motor::default(),
                 stops,
                 staircase: Staircase::default(),
+                given: None,
                 tread: Tread::default(),
                 direction: Six::ZERO,
                 rate: 0.0,
@@ -149,27 +170,28 @@ impl Link {
         };
         let (linear, angular) = (linear * -pace.correction, angular * -pace.correction);
         self.bias = Six::new(linear + at.cross(angular), angular);
-        for dof in 0..self.degrees {
-            let (low, high) = match self.dofs[dof].stops {
-                None => (f64::NEG_INFINITY, f64::INFINITY),
-                Some(stops) => stop_rates(stops, self.coordinate(parent, child, dof), pace),
-            };
-            let degree = &mut self.dofs[dof];
-            degree.staircase = Staircase::new(degree.motor, low, high, pace.dt);
-            degree.tread = degree.staircase.warm(degree.tread);
+        if self.dofs().iter().any(|dof| dof.stops.is_some()) {
+            let coordinates = self.coordinates(parent, child);
+            for (dof, coordinate) in self.dofs_mut().iter_mut().zip(coordinates) {
+                dof.begin(coordinate, pace);
+            }
+        } else {
+            for dof in self.dofs_mut() {
+                dof.begin(0.0, pace);
+            }
         }
     }
 
-    /// The coordinate of a degree of freedom, rad or m; 0 in the start pose.
-    pub(super) fn coordinate(&self, parent: &Pose, child: &Pose, dof: usize) -> f64 {
+    /// The coordinates of its degrees of freedom, rad or m; zeros for what it has not.
+    pub(super) fn coordinates(&self, parent: &Pose, child: &Pose) -> [f64; 3] {
         match self.kind {
-            JointKind::Fixed => 0.0,
+            JointKind::Fixed => [0.0; 3],
             JointKind::Hinge { axis } => {
                 let q = self.rotation(parent, child);
-                math::wrap_angle(2.0 * math::atan2(axis.dot(q.xyz()), q.w))
+                [math::wrap_angle(2.0 * math::atan2(axis.dot(q.xyz()), q.w)), 0.0, 0.0]
             }
-            JointKind::Ball => math::rotation_vector(self.rotation(parent, child))[dof],
-            JointKind::Slider { axis } => (parent.rotation * axis).dot(self.gap(parent, child)),
+            JointKind::Ball => math::rotation_vector(self.rotation(parent, child)).to_array(),
+            JointKind::Slider { axis } => [(parent.rotation * axis).dot(self.gap(parent, child)), 0.0, 0.0],
         }
     }
 

@@ -70,7 +70,7 @@ pub(super) struct Staircase {
 impl Staircase {
     /// A motor between two stop rates, `low ≤ high`, in a step of `dt` seconds.
     pub(super) fn new(motor: Motor, low: f64, high: f64, dt: f64) -> Staircase {
-        let bound = motor.effort.max(0.0) * dt;
+        let bound = if motor.effort > 0.0 { motor.effort * dt } else { 0.0 };
         let rate = if bound == 0.0 || motor.rate > high {
             high // a limp joint has one tread, Pushing with impulse 0, all the way to its high stop
         } else if motor.rate < low {
@@ -84,6 +84,8 @@ impl Staircase {
     /// The closest legal place to that of the last step, whose staircase was another one.
     pub(super) fn warm(&self, last: Tread) -> Tread {
         match last {
+            // Locked at no number: the step finds that out, and faults.
+            _ if !self.rate.is_finite() && self.bound > 0.0 => Tread::Holding,
             Tread::Low if self.low == f64::NEG_INFINITY => Tread::Pushing,
             Tread::High if self.high == f64::INFINITY => self.warm(Tread::Braking),
             Tread::Holding | Tread::Braking if self.bound == 0.0 => Tread::Pushing,
@@ -100,6 +102,20 @@ impl Staircase {
             Tread::Holding => Demand::Locked(self.rate),
             Tread::Braking => Demand::Free(-self.bound),
             Tread::High => Demand::Locked(self.high),
+        }
+    }
+
+    /// The impulse nearest to a given one that the law allows at any rate at all.
+    pub(super) fn clamp(&self, impulse: f64) -> f64 {
+        let most = if self.low > f64::NEG_INFINITY { f64::INFINITY } else { self.bound };
+        let least = if self.high < f64::INFINITY { f64::NEG_INFINITY } else { -self.bound };
+        // Not `max` and `min`, whose zero may have either sign.
+        if impulse < least {
+            least
+        } else if impulse > most {
+            most
+        } else {
+            impulse
         }
     }
 

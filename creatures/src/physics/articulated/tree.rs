@@ -41,14 +41,14 @@ impl World {
             let mut momentum = rest[0].impetus;
             let mut bias = link.bias;
             for dof in link.dofs() {
-                if let Demand::Locked(rate) = dof.staircase.demand(dof.tread) {
+                if let Demand::Locked(rate) = dof.demand() {
                     bias.add_scaled(&dof.direction, rate);
                 }
             }
             momentum.add_scaled(&inertia.times(&bias), -1.0);
             link.offset = bias;
             for dof in link.dofs_mut() {
-                let Demand::Free(impulse) = dof.staircase.demand(dof.tread) else { continue };
+                let Demand::Free(impulse) = dof.demand() else { continue };
                 dof.momentum = inertia.times(&dof.direction);
                 let pivot = dof.direction.dot(&dof.momentum);
                 if pivot.is_nan() || pivot <= 0.0 {
@@ -79,7 +79,7 @@ impl World {
             let link = &mut self.links[child - 1];
             let mut twist = self.bodies[link.parent].twist;
             for dof in link.dofs_mut().iter_mut().rev() {
-                if let Demand::Free(_) = dof.staircase.demand(dof.tread) {
+                if let Demand::Free(_) = dof.demand() {
                     dof.rate = dof.drift - dof.mobility * dof.need.dot(&twist);
                     twist.add_scaled(&dof.direction, dof.rate);
                 }

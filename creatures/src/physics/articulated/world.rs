@@ -4,6 +4,7 @@
 use super::contact::{Contact, Footing};
 use super::joint::{Link, Pace, Pose};
 use super::model::{ModelBuilder, Settings, Shape, StopRule};
+use super::rounds::ROUNDS_MAX;
 use super::spatial::{Inertia, Six};
 use crate::math;
 use glam::{DMat3, DQuat, DVec3};
@@ -90,6 +91,7 @@ pub struct World {
     /// Those of this step; room for all points.
     pub(super) contacts: Vec<Contact>,
     pub(super) rounds: u32,
+    pub(super) rounds_max: u32,
 }
 
 impl World {
@@ -158,6 +160,7 @@ impl World {
             links,
             points,
             rounds: 0,
+            rounds_max: ROUNDS_MAX,
         }
     }
 

@@ -10,6 +10,8 @@ pub(super) struct Creature {
     pub(super) world: World,
     pub(super) joints: Vec<JointId>,
     pub(super) bodies: Vec<BodyId>,
+    /// Each joint with the place of its parent.
+    pub(super) specs: Vec<(usize, Joint)>,
 }
 
 /// Most a hinge, a slider and one axis of a ball may give, N·m or N (G-18).
@@ -25,7 +27,7 @@ impl Creature {
     pub(super) fn command(&mut self, joint: usize, dof: usize, command: f64) {
         let id = self.joints[joint];
         let command = command.clamp(-1.0, 1.0);
-        let motor = match (self.world.degrees(id), self.kinds(joint)) {
+        let motor = match (self.world.degrees(id), self.is_slider(joint)) {
             (3, _) => Motor { rate: 10.0 * command, effort: BALL_EFFORT },
             (_, true) => Motor { rate: command, effort: SLIDER_EFFORT },
             _ => Motor { rate: 10.0 * command, effort: HINGE_EFFORT },
@@ -33,9 +35,17 @@ impl Creature {
         self.world.drive(id, dof, motor);
     }
 
-    /// Whether a joint is a slider: of these creatures, the hopper's second and fourth.
-    fn kinds(&self, joint: usize) -> bool {
-        self.bodies.len() == 5 && joint % 2 == 1
+    /// Drives every degree of freedom by a command of its own.
+    pub(super) fn command_all(&mut self, mut command: impl FnMut() -> f64) {
+        for joint in 0..self.joints.len() {
+            for dof in 0..self.world.degrees(self.joints[joint]) {
+                self.command(joint, dof, command());
+            }
+        }
+    }
+
+    fn is_slider(&self, joint: usize) -> bool {
+        matches!(self.specs[joint].1.kind, JointKind::Slider { .. })
     }
 
     pub(super) fn torso(&self) -> DVec3 {
@@ -58,17 +68,19 @@ pub(super) struct Growth {
     pub(super) model: ModelBuilder,
     pub(super) bodies: Vec<(BodyId, Body)>,
     pub(super) joints: Vec<JointId>,
+    pub(super) specs: Vec<(usize, Joint)>,
 }
 
 impl Growth {
     pub(super) fn new(settings: Settings, root: Body) -> Growth {
         let mut model = ModelBuilder::new(settings);
         let id = model.root(root);
-        Growth { model, bodies: vec![(id, root)], joints: vec![] }
+        Growth { model, bodies: vec![(id, root)], joints: vec![], specs: vec![] }
     }
 
     /// Attaches a box, axes along the parent's start axes, and returns its place.
     pub(super) fn limb(&mut self, parent: usize, size: DVec3, density: f64, joint: Joint) -> usize {
+        self.specs.push((parent, joint));
         let (parent, base) = self.bodies[parent];
         let position = base.position + joint.parent_anchor - joint.child_anchor;
         let body = Body { friction: LIMB_FRICTION, ..Body::cuboid(size, density, position) };
@@ -80,7 +92,8 @@ impl Growth {
 
     pub(super) fn done(self) -> Creature {
         let world = self.model.build().expect("a legal model");
-        Creature { world, joints: self.joints, bodies: self.bodies.into_iter().map(|(id, _)| id).collect() }
+        let bodies = self.bodies.into_iter().map(|(id, _)| id).collect();
+        Creature { world, joints: self.joints, bodies, specs: self.specs }
     }
 }
 

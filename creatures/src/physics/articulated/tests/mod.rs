@@ -2,6 +2,13 @@
 
 use super::super::articulated;
 
+mod bits;
 mod bodies;
+mod certificate;
+mod conservation;
 mod gaits;
+mod ground;
+mod models;
+mod motors;
+mod pendulums;
 mod walking;

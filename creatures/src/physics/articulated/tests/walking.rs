@@ -28,11 +28,7 @@ fn walkers_at_rest_stay_where_they_are() {
     ] {
         let mut creature = body(bodies::earth());
         let still = |creature: &mut Creature, _: f64| {
-            for joint in 0..creature.joints.len() {
-                for dof in 0..creature.world.degrees(creature.joints[joint]) {
-                    creature.command(joint, dof, 0.0);
-                }
-            }
+            creature.command_all(|| 0.0);
         };
         live(&mut creature, 240, 1.0, still);
         live(&mut creature, 240, 6.5, still);

@@ -1,0 +1,41 @@
+//! What a coordinator is told when it starts: flags over environment over defaults. It opens nothing.
+
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::path::PathBuf;
+
+/// The settings of one coordinator.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Config {
+    /// The lineage file; made if it does not exist
+    #[arg(long, value_name = "FILE", default_value = "hatchery.db", env = "HATCHERY_DB")]
+    pub db: PathBuf,
+    /// The address to listen on; port 0 takes a free one
+    #[arg(long, value_name = "ADDR", default_value_t = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 7878), env = "HATCHERY_LISTEN")]
+    pub listen: SocketAddr,
+    /// Listen beyond this machine although nothing is encrypted and anybody who reaches the port may submit
+    #[arg(long)]
+    pub allow_insecure: bool,
+    /// Write the address listened on to a file once it is open, for scripts that use port 0
+    #[arg(long, value_name = "FILE")]
+    pub address_file: Option<PathBuf>,
+    /// How often a worker has to show that it is alive, milliseconds
+    #[arg(long, value_name = "MS", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(10..=60_000))]
+    pub heartbeat_ms: u32,
+    /// Silence after which a worker's leases end, milliseconds
+    #[arg(long, value_name = "MS", default_value_t = 5000, value_parser = clap::value_parser!(u32).range(30..=600_000))]
+    pub timeout_ms: u32,
+}
+
+impl Config {
+    /// A coordinator on a free loopback port, with the defaults: what `hatchery run` embeds.
+    pub fn embedded(db: PathBuf) -> Config {
+        Config {
+            db,
+            listen: SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 0),
+            allow_insecure: false,
+            address_file: None,
+            heartbeat_ms: 1000,
+            timeout_ms: 5000,
+        }
+    }
+}

@@ -1,0 +1,273 @@
+//! The driver: the order of effects between search, lineage and fleet. A generation's end is on disk before
+//! the next one is handed out. It knows no genotype, no SQL and no stream.
+
+mod conduct;
+mod generation;
+mod progress;
+mod submit;
+
+pub use progress::{Counts, Ended, Happening, Progress, RunProgress, Tally};
+pub use submit::{Submission, SubmitError};
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use tokio::sync::{broadcast, watch};
+use tokio::task::JoinHandle;
+
+use crate::fleet::{Fleet, QueueControl};
+use crate::lineage::{ExperimentId, Health, Lineage, ReadError, State, StoredExperiment, WriteError};
+
+/// Why the experiments of a lineage cannot be taken up.
+#[derive(Debug, thiserror::Error)]
+pub enum ResumeError {
+    /// It cannot be read.
+    #[error("the lineage cannot be read")]
+    Read(#[from] ReadError),
+    /// It cannot be written.
+    #[error("the lineage cannot be written")]
+    Write(#[from] WriteError),
+}
+
+/// Why an experiment was not paused, resumed or cancelled.
+#[derive(Debug, thiserror::Error)]
+pub enum ControlError {
+    /// It has ended already.
+    #[error("experiment {0} is {word}", word = .1.word())]
+    Ended(ExperimentId, State),
+    /// It was begun by other physics and cannot go on in this program.
+    #[error("experiment {0}: {1}")]
+    Incompatible(ExperimentId, String),
+    /// The lineage could not be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// The lineage could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+/// The experiments of one coordinator. Clones share them.
+#[derive(Clone)]
+pub struct Driver {
+    shared: Arc<Shared>,
+}
+
+struct Shared {
+    lineage: Lineage,
+    fleet: Fleet,
+    fingerprint: [u8; 32],
+    active: Mutex<BTreeMap<ExperimentId, Active>>,
+    happenings: broadcast::Sender<Happening>,
+    stopping: watch::Sender<bool>,
+}
+
+/// An experiment that is being conducted.
+struct Active {
+    control: QueueControl,
+    progress: Arc<Progress>,
+    conducting: JoinHandle<()>,
+}
+
+impl std::fmt::Debug for Driver {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Driver").finish_non_exhaustive()
+    }
+}
+
+impl Driver {
+    /// Takes up every experiment that is running or paused in the lineage.
+    ///
+    /// # Errors
+    /// A lineage that cannot be read or written. An experiment that cannot go on (other physics, a
+    /// checkpoint that does not fit) is no error here: it is paused or failed with its reason.
+    pub async fn start(lineage: Lineage, fleet: Fleet, fingerprint: [u8; 32]) -> Result<Driver, ResumeError> {
+        let driver = Driver {
+            shared: Arc::new(Shared {
+                lineage,
+                fleet,
+                fingerprint,
+                active: Mutex::default(),
+                happenings: broadcast::channel(4096).0,
+                stopping: watch::channel(false).0,
+            }),
+        };
+        for stored in driver.shared.lineage.reader().unfinished().await? {
+            if stored.state == State::Running {
+                driver.take_up(stored).await?;
+            }
+        }
+        Ok(driver)
+    }
+
+    /// What happens from now on. A listener that falls behind loses the oldest happenings.
+    pub fn happenings(&self) -> broadcast::Receiver<Happening> {
+        self.shared.happenings.subscribe()
+    }
+
+    /// The progress of an experiment that is being conducted; none for one at rest.
+    pub fn progress(&self, id: ExperimentId) -> Option<Arc<Progress>> {
+        self.active().get(&id).map(|active| active.progress.clone())
+    }
+
+    /// Hands out nothing more of an experiment; what runs is finished and recorded.
+    ///
+    /// # Errors
+    /// One that has ended; a lineage that fails.
+    pub async fn pause(&self, id: ExperimentId) -> Result<(), ControlError> {
+        let stored = self.shared.lineage.reader().experiment(id).await?;
+        match stored.state {
+            State::Paused => return Ok(()),
+            State::Running => {}
+            ended => return Err(ControlError::Ended(id, ended)),
+        }
+        let control = self.active().get(&id).map(|active| active.control.clone());
+        if let Some(control) = control {
+            control.pause().await;
+        }
+        self.settle_state(id, State::Paused, "paused by hand").await?;
+        Ok(())
+    }
+
+    /// Goes on with a paused experiment.
+    ///
+    /// # Errors
+    /// One that has ended, or was begun by other physics; a lineage that fails.
+    pub async fn resume(&self, id: ExperimentId) -> Result<(), ControlError> {
+        let stored = self.shared.lineage.reader().experiment(id).await?;
+        match stored.state {
+            State::Running => return Ok(()),
+            State::Paused => {}
+            ended => return Err(ControlError::Ended(id, ended)),
+        }
+        if let Some(reason) = self.incompatible(&stored) {
+            return Err(ControlError::Incompatible(id, reason));
+        }
+        let control = self.active().get(&id).map(|active| active.control.clone());
+        self.settle_state(id, State::Running, "").await?;
+        match control {
+            Some(control) => control.resume().await,
+            None => self.take_up(StoredExperiment { state: State::Running, ..stored }).await?,
+        }
+        Ok(())
+    }
+
+    /// Ends an experiment for good; what was evaluated stays in the lineage.
+    ///
+    /// # Errors
+    /// One that has ended already; a lineage that fails.
+    pub async fn cancel(&self, id: ExperimentId) -> Result<(), ControlError> {
+        let stored = self.shared.lineage.reader().experiment(id).await?;
+        if !stored.state.is_unfinished() {
+            return Err(ControlError::Ended(id, stored.state));
+        }
+        let active = self.active().remove(&id);
+        if let Some(active) = active {
+            active.control.cancel().await;
+            active.conducting.abort();
+        }
+        self.settle_state(id, State::Cancelled, "cancelled by hand").await?;
+        Ok(())
+    }
+
+    /// Why nothing moves, when something holds up a running experiment; empty otherwise.
+    pub fn held_up(&self) -> String {
+        if let Health::Stuck { reason } = &*self.shared.lineage.health().borrow() {
+            return format!("the lineage cannot be written: {reason}");
+        }
+        if self.shared.fleet.summary().borrow().slots == 0 {
+            return "no worker is attached: start one with `hatchery-worker --coordinator URL`".to_owned();
+        }
+        String::new()
+    }
+
+    /// The lineage, to read from.
+    pub fn lineage(&self) -> &Lineage {
+        &self.shared.lineage
+    }
+
+    /// The fleet.
+    pub fn fleet(&self) -> &Fleet {
+        &self.shared.fleet
+    }
+
+    /// Stops handing out and waits until what has arrived is on disk. Experiments stay as they are in the
+    /// lineage.
+    pub async fn stop(&self) {
+        self.shared.stopping.send_replace(true);
+        let active = std::mem::take(&mut *self.active());
+        for (_, active) in active {
+            active.control.pause().await;
+            let mut conducting = active.conducting;
+            // A lineage that cannot be written must not keep the process from ending.
+            if tokio::time::timeout(std::time::Duration::from_secs(10), &mut conducting).await.is_err() {
+                conducting.abort();
+            }
+        }
+        let flush = self.shared.lineage.flush();
+        if !matches!(tokio::time::timeout(std::time::Duration::from_secs(10), flush).await, Ok(Ok(()))) {
+            tracing::warn!("the last outcomes could not be committed; they will be evaluated again");
+        }
+    }
+
+    /// Why an experiment cannot go on in this program: it was begun by other physics.
+    fn incompatible(&self, stored: &StoredExperiment) -> Option<String> {
+        let known = creatures::system(&stored.system).map(creatures::System::version);
+        if known != Some(stored.system_version) {
+            return Some(format!(
+                "it was begun by version {} of system `{}`, and this program has {}",
+                stored.system_version,
+                stored.system,
+                known.map_or("none".to_owned(), |version| format!("version {version}"))
+            ));
+        }
+        (stored.fingerprint != self.shared.fingerprint).then(|| {
+            format!(
+                "it was begun under the physics fingerprint {}, and this program has {}: use the program that began it",
+                short(&stored.fingerprint),
+                short(&self.shared.fingerprint)
+            )
+        })
+    }
+
+    /// Conducts an experiment of the lineage from where it stands.
+    async fn take_up(&self, stored: StoredExperiment) -> Result<(), WriteError> {
+        let id = stored.id;
+        if let Some(reason) = self.incompatible(&stored) {
+            tracing::warn!(experiment = %id, reason, "not taken up");
+            self.settle_state(id, State::Paused, &reason).await?;
+            return Ok(());
+        }
+        let experiment = match search::Experiment::parse_resolved(&stored.resolved) {
+            Ok(experiment) => experiment,
+            Err(problem) => {
+                let reason = format!("its resolved file is not understood: {problem}");
+                self.settle_state(id, State::Failed, &reason).await?;
+                return Ok(());
+            }
+        };
+        let queue = self.shared.fleet.queue(stored.name.clone(), 1).await;
+        let control = queue.0.control();
+        let progress = Arc::new(Progress::new(&experiment));
+        let conducting =
+            tokio::spawn(conduct::conduct(self.clone(), stored, experiment, queue, progress.clone()));
+        self.active().insert(id, Active { control, progress, conducting });
+        Ok(())
+    }
+
+    /// Writes a state down and tells the watchers.
+    async fn settle_state(&self, id: ExperimentId, state: State, reason: &str) -> Result<(), WriteError> {
+        self.shared.lineage.set_state(id, state, reason.to_owned()).await?;
+        // Nobody listening is no error.
+        let _ = self.shared.happenings.send(Happening::State(id));
+        Ok(())
+    }
+
+    fn active(&self) -> std::sync::MutexGuard<'_, BTreeMap<ExperimentId, Active>> {
+        self.shared.active.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The first bytes of a hash, for people.
+fn short(hash: &[u8; 32]) -> String {
+    hash[..6].iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,132 @@
+//! One evaluation while it is open: its attempts, and how much it is suspected of. It is forgotten as a whole
+//! once it is settled.
+
+use super::queue::Rank;
+use super::{Evaluation, QueueId, WorkerId};
+use crate::lineage::{Attempt, Fate, Ruling};
+use std::sync::Arc;
+
+/// Attempts beyond these are forgotten, the oldest first, unless they run or count as strikes: an evaluation
+/// may lose any number of workers through no fault of its own.
+pub const ATTEMPTS_KEPT: usize = 32;
+/// A genotype that has ended so many workers is set aside.
+pub(super) const STRIKES_MAX: usize = 3;
+/// From here on it is a suspect, and gets a worker for itself alone.
+pub(super) const STRIKES_OF_A_SUSPECT: usize = STRIKES_MAX - 1;
+
+#[derive(Debug)]
+pub(super) struct Entry {
+    pub(super) queue: QueueId,
+    pub(super) evaluation: Evaluation,
+    pub(super) attempts: Vec<Tried>,
+    number_next: u32,
+    pub(super) ruling: Option<Ruling>,
+}
+
+/// One attempt.
+#[derive(Debug)]
+pub(super) struct Tried {
+    pub(super) number: u32,
+    pub(super) worker: WorkerId,
+    pub(super) name: Arc<str>,
+    /// Where it stands among the worker's leases.
+    pub(super) seat: u64,
+    /// The worker has nothing else: what ends it has ended for this evaluation's sake.
+    pub(super) alone: bool,
+    /// Counts against the evaluation.
+    pub(super) strike: bool,
+    /// Its lease was lost, and comes back to life if the worker comes back with it.
+    pub(super) restorable: bool,
+    /// `None` while its lease lasts.
+    pub(super) fate: Option<Fate>,
+    pub(super) steps: u64,
+    pub(super) seconds: f64,
+}
+
+impl Entry {
+    pub(super) fn new(queue: QueueId, evaluation: Evaluation) -> Entry {
+        Entry { queue, evaluation, attempts: Vec::new(), number_next: 1, ruling: None }
+    }
+
+    /// Where it stands in its queue while it waits to be handed out.
+    pub(super) fn rank(&self) -> Rank {
+        let fresh = self.attempts.is_empty();
+        Rank { fresh, order: self.evaluation.order, evaluation: self.evaluation.id }
+    }
+
+    /// The number of the next attempt.
+    pub(super) fn number(&mut self) -> u32 {
+        let number = self.number_next;
+        self.number_next += 1;
+        number
+    }
+
+    /// Writes down an attempt that was handed out.
+    pub(super) fn attempt(&mut self, number: u32, worker: WorkerId, name: Arc<str>, seat: u64, alone: bool) {
+        if self.attempts.len() >= ATTEMPTS_KEPT
+            && let Some(oldest) = self.attempts.iter().position(|tried| tried.fate.is_some() && !tried.strike)
+        {
+            self.attempts.remove(oldest);
+        }
+        self.attempts.push(Tried {
+            number,
+            worker,
+            name,
+            seat,
+            alone,
+            strike: false,
+            restorable: false,
+            fate: None,
+            steps: 0,
+            seconds: 0.0,
+        });
+    }
+
+    /// Where an attempt of a worker stands, if it was made by one of that name.
+    pub(super) fn find(&self, number: u32, name: &str) -> Option<usize> {
+        self.attempts.iter().position(|tried| tried.number == number && &*tried.name == name)
+    }
+
+    /// The attempts whose leases last.
+    pub(super) fn outstanding(&self) -> impl Iterator<Item = &Tried> {
+        self.attempts.iter().filter(|tried| tried.fate.is_none())
+    }
+
+    pub(super) fn strikes(&self) -> usize {
+        self.attempts.iter().filter(|tried| tried.strike).count()
+    }
+
+    /// Whether it gets a worker for itself alone.
+    pub(super) fn is_suspect(&self) -> bool {
+        self.strikes() >= STRIKES_OF_A_SUSPECT
+    }
+
+    /// Whether a worker of that name has a strike from it.
+    pub(super) fn has_struck(&self, name: &str) -> bool {
+        self.attempts.iter().any(|tried| tried.strike && &*tried.name == name)
+    }
+
+    /// Why it is set aside, from its strikes.
+    pub(super) fn account(&self) -> String {
+        let strikes = self.attempts.iter().filter(|tried| tried.strike).map(|tried| {
+            let (Some(Fate::Lost(reason)) | Some(Fate::Failed(reason))) = &tried.fate else {
+                return tried.name.to_string();
+            };
+            format!("{}: {reason}", tried.name)
+        });
+        format!("three attempts ended badly ({})", strikes.collect::<Vec<_>>().join("; "))
+    }
+}
+
+impl Tried {
+    /// As it goes into the lineage. `fate` is that of an attempt whose lease lasts.
+    pub(super) fn record(self, fate: &Fate) -> Attempt {
+        Attempt {
+            number: self.number,
+            worker: self.name.to_string(),
+            fate: self.fate.unwrap_or_else(|| fate.clone()),
+            steps: self.steps,
+            seconds: self.seconds,
+        }
+    }
+}

@@ -1,0 +1,458 @@
+//! The scheduler: who evaluates what until when. A plain state machine: events come in with the time, orders
+//! go out. It has no clock, no socket, no thread and no memory of what is settled.
+//!
+//! ```text
+//! evaluation   the words: what is asked for, reported and given back
+//! queue        what is ready, and its fair share        worker   windows and leases of one worker
+//! entry        the attempts at one open evaluation      ruling   the culling rule, as it counts
+//! hand_out     ready evaluations to free workers, suspects alone, stragglers twice
+//! settle       what becomes of an evaluation when a report comes or a worker goes
+//! ```
+//!
+//! **Leases.** An evaluation is handed to one worker until the worker falls silent; a report names the attempt.
+//! A lease that is lost puts its evaluation back at the front of its queue. When the worker comes back and
+//! still holds it, the lease is restored. The first outcome settles; what comes later changes nothing.
+//!
+//! **Strikes.** A worker that goes down gives a strike to what it may have been running then: the first
+//! `slots` of its leases, since a worker works in order. Strikes are taken back when the worker comes back
+//! with the evaluation: it did not kill it. Neighbours get strikes too, so two of them only make a suspect:
+//! it gets a worker for itself alone, and the third strike falls only there, where no neighbour can have been
+//! the cause. A failure that a worker lived to report is a strike as well, and is certain at once.
+
+mod entry;
+mod evaluation;
+mod hand_out;
+mod queue;
+mod ruling;
+mod settle;
+mod worker;
+
+pub use entry::ATTEMPTS_KEPT;
+pub use evaluation::{Assignment, AttemptId, Conflict, Evaluation, News, Report, Settled, TaskText};
+pub use queue::QueueId;
+pub use worker::{Hello, WorkerId, WorkerInfo, WorkerState};
+
+use entry::Entry;
+use queue::Queue;
+use settle::Remembered;
+use std::collections::{BTreeMap, BTreeSet, VecDeque, btree_map};
+use std::sync::Arc;
+use worker::{Load, Worker};
+
+/// A time: milliseconds from any fixed instant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub struct Millis(pub u64);
+
+impl Millis {
+    /// Since an earlier time; 0 since a later one.
+    pub fn since(self, earlier: Millis) -> u64 {
+        self.0.saturating_sub(earlier.0)
+    }
+}
+
+/// How long things may take, milliseconds.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits {
+    /// Workers are to be heard of at least so often.
+    pub heartbeat_ms: u64,
+    /// A worker's silence ends its leases.
+    pub timeout_ms: u64,
+    /// An evaluation that runs for so long ends the attachment of its worker: it hangs, and heartbeats do
+    /// not show it.
+    pub overdue_ms: u64,
+}
+
+/// Why a worker is attached no more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Loss {
+    /// It hung up.
+    Left,
+    /// Its stream broke.
+    Broke,
+    /// It was silent for too long.
+    Silent,
+    /// An evaluation ran for too long.
+    Overdue,
+    /// It attached anew.
+    Replaced,
+    /// It does not take what it is sent.
+    Stalled,
+    /// It broke the protocol.
+    Misspoke,
+}
+
+impl Loss {
+    /// In the lineage.
+    pub fn word(self) -> &'static str {
+        match self {
+            Loss::Left => "left",
+            Loss::Broke => "stream broke",
+            Loss::Silent => "silent",
+            Loss::Overdue => "overdue",
+            Loss::Replaced => "attached anew",
+            Loss::Stalled => "took no messages",
+            Loss::Misspoke => "broke the protocol",
+        }
+    }
+
+    /// Whether what it ran may have been the cause.
+    fn is_suspicious(self) -> bool {
+        matches!(self, Loss::Broke | Loss::Silent | Loss::Replaced)
+    }
+}
+
+/// A worker of that name is attached and alive.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("a worker of the name `{0}` is attached")]
+pub struct NameTaken(pub String);
+
+/// What the scheduler wants done.
+#[derive(Debug)]
+pub enum Order {
+    /// Tell a worker what nobody needs any more, and then what to do next. Either may be empty.
+    Tell {
+        /// Whom.
+        worker: WorkerId,
+        /// What to drop.
+        revoked: Vec<AttemptId>,
+        /// What to do.
+        assigned: Vec<Assignment>,
+    },
+    /// Close the stream of a worker that is attached no more.
+    Dismiss {
+        /// Whose.
+        worker: WorkerId,
+        /// Why.
+        loss: Loss,
+    },
+    /// Tell a queue's owner what is settled, and what contradicts it.
+    Deliver {
+        /// Whose.
+        queue: QueueId,
+        /// In the order in which they were settled.
+        settled: Vec<Settled>,
+        /// Mostly empty.
+        conflicts: Vec<Conflict>,
+    },
+}
+
+/// The fleet in numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Summary {
+    /// Workers attached, draining ones included.
+    pub workers: u32,
+    /// What those of them that take evaluations run at once.
+    pub slots: u32,
+    /// Leases.
+    pub in_flight: u64,
+    /// Evaluations that wait to be handed out, paused queues included.
+    pub ready: u64,
+}
+
+/// Workers that went are remembered for their counts, so many of them.
+const GONE_REMEMBERED: usize = 256;
+
+/// The state of everything that is under evaluation.
+#[derive(Debug)]
+pub struct Scheduler {
+    limits: Limits,
+    workers: BTreeMap<WorkerId, Worker>,
+    names: BTreeMap<Arc<str>, WorkerId>,
+    gone: VecDeque<WorkerInfo>, // (≤ GONE_REMEMBERED), oldest first
+    queues: BTreeMap<QueueId, Queue>,
+    evaluations: BTreeMap<u64, Entry>,
+    /// Workers that can take more, the least loaded first.
+    free: BTreeSet<(Load, WorkerId)>,
+    /// Queues with something to hand out, the least served first.
+    runnable: BTreeSet<(u128, QueueId)>,
+    /// The pass of the queue served last: one that has slept begins from here, and hoards no claim.
+    pass: u128,
+    /// Suspects to be handed out, and the worker that is being emptied for each.
+    suspects: BTreeMap<u64, Option<WorkerId>>,
+    /// What a late report may contradict, oldest first.
+    remembered: VecDeque<Remembered>,
+    /// Workers and queues with something in their boxes, and workers to dismiss: this round's orders.
+    told: BTreeSet<WorkerId>,
+    delivered: BTreeSet<QueueId>,
+    dismissed: Vec<(WorkerId, Loss)>,
+    worker_next: u64,
+    queue_next: u64,
+    /// When the time was last advanced, and stragglers last looked for.
+    advanced: Millis,
+    looked: Millis,
+    stopped: bool,
+}
+
+impl Scheduler {
+    /// A scheduler without workers or queues.
+    pub fn new(limits: Limits, now: Millis) -> Scheduler {
+        Scheduler {
+            limits,
+            workers: BTreeMap::new(),
+            names: BTreeMap::new(),
+            gone: VecDeque::new(),
+            queues: BTreeMap::new(),
+            evaluations: BTreeMap::new(),
+            free: BTreeSet::new(),
+            runnable: BTreeSet::new(),
+            pass: 0,
+            suspects: BTreeMap::new(),
+            remembered: VecDeque::new(),
+            told: BTreeSet::new(),
+            delivered: BTreeSet::new(),
+            dismissed: Vec::new(),
+            worker_next: 1,
+            queue_next: 1,
+            advanced: now,
+            looked: now,
+            stopped: false,
+        }
+    }
+
+    /// Opens a queue. Between queues that have something ready, workers' time is shared by weight; a weight
+    /// of 0 counts as 1.
+    pub fn open(&mut self, weight: u32) -> QueueId {
+        let id = QueueId(self.queue_next);
+        self.queue_next += 1;
+        self.queues.insert(id, Queue::new(weight));
+        id
+    }
+
+    /// Adds evaluations to a queue. One whose id is open already is left out: it is under evaluation.
+    pub fn submit(&mut self, queue: QueueId, evaluations: Vec<Evaluation>) {
+        let Some(state) = self.queues.get_mut(&queue) else { return };
+        for evaluation in evaluations {
+            if let btree_map::Entry::Vacant(vacant) = self.evaluations.entry(evaluation.id) {
+                let entry = vacant.insert(Entry::new(queue, evaluation));
+                state.ready.insert(entry.rank());
+            }
+        }
+        self.file_queue(queue);
+    }
+
+    /// Hands out nothing more of a queue, or goes on. What runs is finished and delivered.
+    pub fn pause(&mut self, queue: QueueId, paused: bool) {
+        if let Some(state) = self.queues.get_mut(&queue) {
+            state.paused = paused;
+            self.file_queue(queue);
+        }
+    }
+
+    /// Ends a queue: nothing of it is delivered any more, and its leases are revoked.
+    pub fn cancel(&mut self, queue: QueueId, now: Millis) {
+        let cancelled: Vec<u64> =
+            self.evaluations.iter().filter(|(_, entry)| entry.queue == queue).map(|(&id, _)| id).collect();
+        for id in cancelled {
+            self.abandon(id, now);
+        }
+        if let Some(filed) = self.queues.remove(&queue).and_then(|state| state.filed) {
+            self.runnable.remove(&(filed, queue));
+        }
+        self.delivered.remove(&queue);
+        self.remembered.retain(|one| one.queue != queue);
+    }
+
+    /// Attaches a worker. Leases that it holds from before are restored; what it holds in vain is revoked.
+    ///
+    /// # Errors
+    /// A worker of that name is attached and was heard of within two heartbeats.
+    pub fn attach(&mut self, hello: Hello, now: Millis) -> Result<WorkerId, NameTaken> {
+        if let Some(&old) = self.names.get(&*hello.name) {
+            if now.since(self.workers[&old].heard) <= 2 * self.limits.heartbeat_ms {
+                return Err(NameTaken(hello.name));
+            }
+            self.dismiss(old, Loss::Replaced, now);
+        }
+        let id = WorkerId(self.worker_next);
+        self.worker_next += 1;
+        let holding = hello.holding.clone();
+        let mut worker = Worker::new(id, hello, now);
+        if let Some(at) = self.gone.iter().position(|gone| gone.name == *worker.name)
+            && let Some(gone) = self.gone.remove(at)
+        {
+            (worker.completed, worker.lost, worker.busy_seconds) =
+                (gone.completed, gone.lost, gone.busy_seconds);
+        }
+        self.names.insert(worker.name.clone(), id);
+        self.workers.insert(id, worker);
+        for attempt in holding {
+            self.restore(id, attempt, now);
+        }
+        self.file_worker(id);
+        Ok(id)
+    }
+
+    /// A worker gave a sign of life.
+    pub fn heard(&mut self, worker: WorkerId, now: Millis) {
+        if let Some(worker) = self.workers.get_mut(&worker) {
+            worker.heard = now;
+        }
+    }
+
+    /// A worker takes so many evaluations at once from now on.
+    pub fn window(&mut self, worker: WorkerId, evaluations: u32) {
+        if let Some(state) = self.workers.get_mut(&worker) {
+            state.window = evaluations.max(1);
+            self.file_worker(worker);
+        }
+    }
+
+    /// A worker takes nothing new and gives back what it has not begun.
+    pub fn drain(&mut self, worker: WorkerId, returned: &[AttemptId], now: Millis) {
+        let Some(state) = self.workers.get_mut(&worker) else { return };
+        state.draining = true;
+        let name = state.name.clone();
+        if let Some(suspect) = state.reserved
+            && let Some(awaited @ Some(_)) = self.suspects.get_mut(&suspect)
+        {
+            *awaited = None;
+            state.reserved = None;
+        }
+        self.file_worker(worker);
+        for attempt in returned {
+            self.give_back(&name, *attempt, now);
+        }
+    }
+
+    /// A worker is attached no more. Its leases are void, and what it may have been running gets a strike if
+    /// that may have been the cause.
+    pub fn lose(&mut self, worker: WorkerId, loss: Loss, now: Millis) {
+        let Some(state) = self.workers.remove(&worker) else { return };
+        if let Some(load) = state.filed {
+            self.free.remove(&(load, worker));
+        }
+        self.names.remove(&state.name);
+        self.told.remove(&worker);
+        if let Some(awaited) = state.reserved.and_then(|suspect| self.suspects.get_mut(&suspect)) {
+            *awaited = None;
+        }
+        let mut info = state.info();
+        for lease in state.leases() {
+            let is_cause = match loss {
+                Loss::Overdue => lease.begun.is_some_and(|begun| now.since(begun) > self.limits.overdue_ms),
+                _ => loss.is_suspicious() && lease.begun.is_some(),
+            };
+            info.lost += 1;
+            self.void(lease.attempt, loss, is_cause, now);
+        }
+        if self.gone.len() == GONE_REMEMBERED {
+            self.gone.pop_front();
+        }
+        self.gone.push_back(WorkerInfo { state: WorkerState::Gone, in_flight: 0, ..info });
+    }
+
+    /// Lets time pass: workers that were silent for too long, or run one evaluation for too long, are lost.
+    ///
+    /// Silence counts only while somebody listened: when this is called after a longer pause than a heartbeat
+    /// (the process was stopped, the machine slept), workers get the pause back.
+    pub fn advance(&mut self, now: Millis) {
+        let pause = now.since(self.advanced).saturating_sub(self.limits.heartbeat_ms);
+        self.advanced = now;
+        let mut losses = Vec::new();
+        for worker in self.workers.values_mut() {
+            worker.heard.0 = (worker.heard.0 + pause).min(now.0);
+            let is_overdue =
+                |lease: &worker::Lease| lease.begun.is_some_and(|b| now.since(b) > self.limits.overdue_ms);
+            if now.since(worker.heard) > self.limits.timeout_ms {
+                losses.push((worker.id, Loss::Silent));
+            } else if worker.leases().any(is_overdue) {
+                losses.push((worker.id, Loss::Overdue));
+            }
+        }
+        for (worker, loss) in losses {
+            self.dismiss(worker, loss, now);
+        }
+    }
+
+    /// Hands out nothing more, for good.
+    pub fn stop(&mut self) {
+        self.stopped = true;
+    }
+
+    /// Hands out what can be handed out, and gives this round's orders. For one worker, what is revoked comes
+    /// before what is assigned.
+    pub fn dispatch(&mut self, now: Millis) -> Vec<Order> {
+        if !self.stopped {
+            self.hand_out(now);
+        }
+        let dismissed = std::mem::take(&mut self.dismissed).into_iter();
+        let mut orders: Vec<Order> =
+            dismissed.map(|(worker, loss)| Order::Dismiss { worker, loss }).collect();
+        for worker in std::mem::take(&mut self.told) {
+            let Some(state) = self.workers.get_mut(&worker) else { continue };
+            let (revoked, assigned) =
+                (std::mem::take(&mut state.revoked), std::mem::take(&mut state.assigned));
+            orders.push(Order::Tell { worker, revoked, assigned });
+        }
+        for queue in std::mem::take(&mut self.delivered) {
+            let Some(state) = self.queues.get_mut(&queue) else { continue };
+            let (settled, conflicts) =
+                (std::mem::take(&mut state.settled), std::mem::take(&mut state.conflicts));
+            orders.push(Order::Deliver { queue, settled, conflicts });
+        }
+        orders
+    }
+
+    /// Who is attached, by number, and who was, the last to go at the end.
+    pub fn workers(&self) -> Vec<WorkerInfo> {
+        self.workers.values().map(Worker::info).chain(self.gone.iter().cloned()).collect()
+    }
+
+    /// The fleet in numbers.
+    pub fn summary(&self) -> Summary {
+        let taking = self.workers.values().filter(|worker| !worker.draining);
+        Summary {
+            workers: self.workers.len() as u32,
+            slots: taking.map(Worker::slots).sum(),
+            in_flight: self.workers.values().map(|worker| worker.lease_count() as u64).sum(),
+            ready: self.suspects.len() as u64
+                + self.queues.values().map(|queue| queue.ready.len() as u64).sum::<u64>(),
+        }
+    }
+
+    /// Loses a worker on this side's account.
+    fn dismiss(&mut self, worker: WorkerId, loss: Loss, now: Millis) {
+        self.lose(worker, loss, now);
+        self.dismissed.push((worker, loss));
+    }
+
+    /// Puts a worker where its load and window say.
+    fn file_worker(&mut self, id: WorkerId) {
+        let Some(worker) = self.workers.get_mut(&id) else { return };
+        let key = worker.can_take_more().then(|| worker.load());
+        if worker.filed != key {
+            if let Some(old) = worker.filed {
+                self.free.remove(&(old, id));
+            }
+            if let Some(new) = key {
+                self.free.insert((new, id));
+            }
+            worker.filed = key;
+        }
+    }
+
+    /// Puts a queue where its pass says.
+    fn file_queue(&mut self, id: QueueId) {
+        let Some(queue) = self.queues.get_mut(&id) else { return };
+        if queue.is_runnable() && queue.filed.is_none() {
+            queue.pass = queue.pass.max(self.pass);
+        }
+        let key = queue.is_runnable().then_some(queue.pass);
+        if queue.filed != key {
+            if let Some(old) = queue.filed {
+                self.runnable.remove(&(old, id));
+            }
+            if let Some(new) = key {
+                self.runnable.insert((new, id));
+            }
+            queue.filed = key;
+        }
+    }
+}
+
+#[cfg(test)]
+mod properties;
+#[cfg(test)]
+mod rig;
+#[cfg(test)]
+mod tests;

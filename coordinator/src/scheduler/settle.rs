@@ -1,0 +1,268 @@
+//! What becomes of an evaluation when a report comes or a worker goes: settled, put back, restored, or set
+//! aside. It hands nothing out.
+
+use super::entry::STRIKES_MAX;
+use super::hand_out::OUTSTANDING_MAX;
+use super::{
+    AttemptId, Conflict, Entry, Loss, Millis, News, QueueId, Report, Scheduler, Settled, WorkerId, ruling,
+};
+use crate::lineage::{Fate, SetAside};
+use creatures::Outcome;
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+/// An outcome that may be contradicted: whose evaluation had several attempts.
+#[derive(Debug)]
+pub(super) struct Remembered {
+    evaluation: u64,
+    pub(super) queue: QueueId,
+    /// As reported.
+    outcome: Outcome,
+    worker: Arc<str>,
+}
+
+/// So many of them are remembered.
+const REMEMBERED_MAX: usize = 1024;
+
+impl Scheduler {
+    /// Takes a worker's report. One on an attempt that was not made by a worker of its name changes nothing.
+    ///
+    /// An outcome settles its evaluation also when the lease was lost meanwhile: it is a pure function of the
+    /// genotype, whoever computed it.
+    pub fn report(&mut self, worker: WorkerId, report: Report, now: Millis) {
+        let Some(state) = self.workers.get_mut(&worker) else { return };
+        let Report { attempt: AttemptId { evaluation, number }, seconds, news } = report;
+        let Some(entry) = self.evaluations.get_mut(&evaluation) else {
+            if let News::Outcome(outcome) = news {
+                let name = state.name.clone();
+                self.compare(evaluation, outcome, &name);
+            }
+            return;
+        };
+        let Some(at) = entry.find(number, &state.name) else { return };
+        let tried = &mut entry.attempts[at];
+        tried.seconds = seconds;
+        let cull = entry.evaluation.cull.as_ref();
+        match news {
+            News::Interim(interim) => {
+                tried.steps = u64::from(interim.step);
+                if let (None, Some(cull)) = (entry.ruling, cull) {
+                    entry.ruling = Some(ruling::rule(cull, interim));
+                }
+            }
+            News::Outcome(outcome) => {
+                tried.steps = u64::from(outcome.steps);
+                let remembered = (entry.attempts.len() > 1).then(|| Remembered {
+                    evaluation,
+                    queue: entry.queue,
+                    outcome: outcome.clone(),
+                    worker: state.name.clone(),
+                });
+                match ruling::admit(outcome, cull, entry.ruling) {
+                    Ok((outcome, ruling)) => {
+                        entry.ruling = ruling;
+                        state.completed += 1;
+                        state.busy_seconds += seconds;
+                        self.count(evaluation, at, outcome, now);
+                        remember(&mut self.remembered, remembered);
+                    }
+                    Err(reason) => self.fail(evaluation, at, reason, false, now),
+                }
+            }
+            News::Failure { reason, lasting } => {
+                state.busy_seconds += seconds;
+                self.fail(evaluation, at, reason, lasting, now);
+            }
+        }
+    }
+
+    /// Settles an evaluation with the outcome of one of its attempts.
+    fn count(&mut self, evaluation: u64, at: usize, outcome: Outcome, now: Millis) {
+        self.withdraw(evaluation);
+        let entry = self.evaluations.get_mut(&evaluation).expect("the caller has found it open");
+        let tried = &mut entry.attempts[at];
+        let is_leased = tried.fate.is_none();
+        let (worker, seat) = (tried.worker, tried.seat);
+        tried.fate = Some(Fate::Counted);
+        let queue = self.queues.get_mut(&entry.queue).expect("queues outlive their evaluations");
+        queue.durations.observe(tried.seconds);
+        if is_leased {
+            self.release(worker, seat, evaluation, now);
+        }
+        self.settle(evaluation, Ok(outcome), now);
+    }
+
+    /// Ends an attempt without an outcome, which is a strike for certain. Of one whose lease was lost, nothing
+    /// is left to end.
+    fn fail(&mut self, evaluation: u64, at: usize, reason: String, lasting: bool, now: Millis) {
+        let entry = self.evaluations.get_mut(&evaluation).expect("the caller has found it open");
+        let tried = &mut entry.attempts[at];
+        if tried.fate.is_some() {
+            return;
+        }
+        let (worker, seat) = (tried.worker, tried.seat);
+        tried.strike = true;
+        tried.fate = Some(Fate::Failed(reason.clone()));
+        self.release(worker, seat, evaluation, now);
+        if lasting {
+            self.settle(evaluation, Err(SetAside { reason }), now);
+        } else {
+            self.retry(evaluation, now);
+        }
+    }
+
+    /// Ends an attempt whose worker is gone already.
+    pub(super) fn void(&mut self, attempt: AttemptId, loss: Loss, is_cause: bool, now: Millis) {
+        let entry = self.evaluations.get_mut(&attempt.evaluation).expect("what is leased is open");
+        let is_suspect = entry.is_suspect();
+        let tried = entry.attempts.iter_mut().find(|tried| tried.number == attempt.number);
+        let tried = tried.expect("attempts whose lease lasts are kept");
+        tried.fate = Some(Fate::Lost(loss.word().to_owned()));
+        tried.restorable = loss != Loss::Overdue;
+        // The last strike of a suspect falls only where no neighbour can have been the cause.
+        tried.strike = is_cause && (!is_suspect || tried.alone || loss == Loss::Overdue);
+        self.retry(attempt.evaluation, now);
+    }
+
+    /// Puts back what a draining worker has not begun.
+    pub(super) fn give_back(&mut self, worker: &str, attempt: AttemptId, now: Millis) {
+        let Some(entry) = self.evaluations.get_mut(&attempt.evaluation) else { return };
+        let Some(at) = entry.find(attempt.number, worker) else { return };
+        let tried = &mut entry.attempts[at];
+        if tried.fate.is_some() {
+            return;
+        }
+        tried.fate = Some(Fate::Lost("returned".to_owned()));
+        let (worker, seat) = (tried.worker, tried.seat);
+        self.release(worker, seat, attempt.evaluation, now);
+        self.retry(attempt.evaluation, now);
+    }
+
+    /// Restores the lease of an attempt that a worker has brought back, or revokes it if nobody needs it.
+    pub(super) fn restore(&mut self, worker: WorkerId, attempt: AttemptId, now: Millis) {
+        let state = self.workers.get_mut(&worker).expect("the caller has attached it");
+        let at = self.evaluations.get(&attempt.evaluation).and_then(|entry| {
+            let at = entry.find(attempt.number, &state.name).filter(|&at| entry.attempts[at].restorable)?;
+            let is_here = entry.outstanding().any(|tried| tried.worker == worker);
+            (!is_here && entry.outstanding().count() < OUTSTANDING_MAX).then_some(at)
+        });
+        let Some(at) = at else {
+            state.revoked.push(attempt);
+            self.told.insert(worker);
+            return;
+        };
+        let seat = state.seat(attempt, now);
+        self.withdraw(attempt.evaluation);
+        let entry = self.evaluations.get_mut(&attempt.evaluation).expect("it was found above");
+        let tried = &mut entry.attempts[at];
+        // It did not end its worker after all. Nor has it this one for itself.
+        (tried.strike, tried.restorable, tried.alone) = (false, false, false);
+        (tried.fate, tried.worker, tried.seat) = (None, worker, seat);
+    }
+
+    /// After an attempt has ended in vain: another one, unless one is under way or there were too many.
+    fn retry(&mut self, evaluation: u64, now: Millis) {
+        let entry = &self.evaluations[&evaluation];
+        if entry.strikes() >= STRIKES_MAX {
+            let reason = entry.account();
+            self.settle(evaluation, Err(SetAside { reason }), now);
+        } else if entry.outstanding().next().is_none() {
+            let queue = entry.queue;
+            if entry.is_suspect() {
+                self.suspects.insert(evaluation, None);
+            } else {
+                let rank = entry.rank();
+                self.queues.get_mut(&queue).expect("queues outlive their evaluations").ready.insert(rank);
+                self.file_queue(queue);
+            }
+        }
+    }
+
+    /// Settles an evaluation for its owner.
+    fn settle(&mut self, evaluation: u64, result: Result<Outcome, SetAside>, now: Millis) {
+        let entry = self.close(evaluation, now);
+        let fate = if result.is_ok() { Fate::Duplicate } else { Fate::Lost("set aside".to_owned()) };
+        let queue = self.queues.get_mut(&entry.queue).expect("queues outlive their evaluations");
+        queue.settled.push(Settled {
+            id: evaluation,
+            result,
+            ruling: entry.ruling,
+            attempts: entry.attempts.into_iter().map(|tried| tried.record(&fate)).collect(),
+        });
+        self.delivered.insert(entry.queue);
+    }
+
+    /// Forgets an evaluation that waits no more, and revokes its leases.
+    fn close(&mut self, evaluation: u64, now: Millis) -> Entry {
+        let entry = self.evaluations.remove(&evaluation).expect("the caller has found it open");
+        for tried in entry.outstanding() {
+            self.release(tried.worker, tried.seat, evaluation, now);
+            if let Some(worker) = self.workers.get_mut(&tried.worker) {
+                worker.revoked.push(AttemptId { evaluation, number: tried.number });
+                self.told.insert(tried.worker);
+            }
+        }
+        entry
+    }
+
+    /// Ends an evaluation that nobody asks for any more.
+    pub(super) fn abandon(&mut self, evaluation: u64, now: Millis) {
+        self.withdraw(evaluation);
+        self.close(evaluation, now);
+    }
+
+    /// Takes an evaluation from where it waits to be handed out.
+    fn withdraw(&mut self, evaluation: u64) {
+        if let Some(reserved) = self.suspects.remove(&evaluation) {
+            if let Some(worker) = reserved
+                && let Some(state) = self.workers.get_mut(&worker)
+            {
+                state.reserved = None;
+                self.file_worker(worker);
+            }
+            return;
+        }
+        let Some(entry) = self.evaluations.get(&evaluation) else { return };
+        // Most evaluations are settled while leased, and stand in no queue.
+        if entry.outstanding().next().is_none()
+            && let Some(queue) = self.queues.get_mut(&entry.queue)
+            && queue.ready.remove(&entry.rank())
+        {
+            self.file_queue(entry.queue);
+        }
+    }
+
+    /// Ends a lease at its worker.
+    fn release(&mut self, worker: WorkerId, seat: u64, evaluation: u64, now: Millis) {
+        let Some(state) = self.workers.get_mut(&worker) else { return };
+        state.release(seat, now);
+        if state.reserved == Some(evaluation) {
+            state.reserved = None;
+        }
+        self.file_worker(worker);
+    }
+
+    /// Compares a late outcome with the one that settled its evaluation, if that is remembered.
+    fn compare(&mut self, evaluation: u64, late: Outcome, worker: &str) {
+        let Some(first) = self.remembered.iter().find(|one| one.evaluation == evaluation) else { return };
+        if first.outcome.digest() == late.digest() {
+            return;
+        }
+        if let Some(queue) = self.queues.get_mut(&first.queue) {
+            queue.conflicts.push(Conflict {
+                id: evaluation,
+                first: (first.outcome.clone(), first.worker.to_string()),
+                second: (late, worker.to_owned()),
+            });
+            self.delivered.insert(first.queue);
+        }
+    }
+}
+
+fn remember(remembered: &mut VecDeque<Remembered>, one: Option<Remembered>) {
+    let Some(one) = one else { return };
+    if remembered.len() == REMEMBERED_MAX {
+        remembered.pop_front();
+    }
+    remembered.push_back(one);
+}

@@ -1,0 +1,188 @@
+//! Puts a coordinator together and takes it down again. It decides nothing.
+
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use tokio::net::TcpListener;
+use tokio::sync::broadcast::error::RecvError;
+use tokio::sync::{broadcast, oneshot};
+use tokio::task::JoinHandle;
+use tonic::transport::Server;
+use tonic::transport::server::TcpIncoming;
+
+use crate::driver::{Driver, ResumeError};
+use crate::fleet::{Change, Fleet, FleetSettings};
+use crate::lineage::{Lineage, OpenError};
+use crate::service::experiments::ExperimentsService;
+use crate::service::lineage::LineageService;
+use crate::{Config, service};
+
+/// Why a coordinator does not start.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// Anybody could reach it.
+    #[error(
+        "{0} can be reached from other machines, and connections are not encrypted: listen on a loopback address, \
+         or say --allow-insecure on a private network"
+    )]
+    Insecure(SocketAddr),
+    /// The lineage cannot be used.
+    #[error(transparent)]
+    Lineage(#[from] OpenError),
+    /// The address is taken, or not of this machine.
+    #[error("cannot listen on {address}")]
+    Listen {
+        /// What was asked for.
+        address: SocketAddr,
+        /// The operating system's word.
+        #[source]
+        source: std::io::Error,
+    },
+    /// The address file cannot be written.
+    #[error("cannot write the address to {path}")]
+    AddressFile {
+        /// Where to.
+        path: std::path::PathBuf,
+        /// The operating system's word.
+        #[source]
+        source: std::io::Error,
+    },
+    /// What was running cannot be taken up.
+    #[error("cannot take up the experiments of this lineage")]
+    Resume(#[from] ResumeError),
+    /// The transport's word.
+    #[error("cannot serve")]
+    Serve(#[from] tonic::transport::Error),
+}
+
+/// A coordinator at work. Dropping it stops the server without a goodbye, as a kill would.
+pub struct Running {
+    address: SocketAddr,
+    stop: oneshot::Sender<()>,
+    server: JoinHandle<Result<(), tonic::transport::Error>>,
+    driver: Driver,
+    fleet: Fleet,
+    lineage: Lineage,
+}
+
+/// Opens the lineage, takes up every experiment that was running, and listens.
+///
+/// # Errors
+/// An address beyond this machine, a lineage that cannot be opened, an address that is taken.
+pub async fn start(config: Config) -> Result<Running, StartError> {
+    if !config.listen.ip().is_loopback() && !config.allow_insecure {
+        return Err(StartError::Insecure(config.listen));
+    }
+    let lineage = Lineage::open(&config.db).await?;
+    let listen_error = |source| StartError::Listen { address: config.listen, source };
+    let listener = TcpListener::bind(config.listen).await.map_err(listen_error)?;
+    let address = listener.local_addr().map_err(listen_error)?;
+    let fingerprint = tokio::task::spawn_blocking(creatures::fingerprint)
+        .await
+        .expect("the fingerprint of a sound build does not panic; a test says so");
+    let fleet = Fleet::start(FleetSettings {
+        heartbeat_ms: config.heartbeat_ms,
+        timeout_ms: config.timeout_ms,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        fingerprint,
+        lineage: lineage.identity(),
+    });
+    tokio::spawn(note_workers(fleet.changes(), lineage.clone()));
+    let driver = Driver::start(lineage.clone(), fleet.clone(), fingerprint).await?;
+
+    let (health, health_service) = tonic_health::server::health_reporter();
+    health.set_service_status("", tonic_health::ServingStatus::Serving).await;
+    for name in ["Fleet", "Experiments", "Lineage", "Evaluation"] {
+        health.set_service_status(format!("hatchery.v1.{name}"), tonic_health::ServingStatus::Serving).await;
+    }
+    let reflection = tonic_reflection::server::Builder::configure()
+        .register_encoded_file_descriptor_set(proto::DESCRIPTORS)
+        .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
+        .build_v1()
+        .expect("the descriptors are those that the build compiled");
+    let (stop, stopped) = oneshot::channel::<()>();
+    let router = Server::builder()
+        .max_frame_size(Some(128 << 10))
+        .http2_keepalive_interval(Some(Duration::from_secs(5)))
+        .http2_keepalive_timeout(Some(Duration::from_secs(10)))
+        .add_service(health_service)
+        .add_service(reflection)
+        .add_service(service::fleet(fleet.clone()))
+        .add_service(service::evaluation(fleet.clone()))
+        .add_service(ExperimentsService::new(driver.clone()).into_server())
+        .add_service(LineageService::new(lineage.reader().clone()).into_server());
+    let incoming = TcpIncoming::from(listener).with_nodelay(Some(true));
+    let server = tokio::spawn(router.serve_with_incoming_shutdown(incoming, async move {
+        // A dropped sender is a stop as well.
+        let _ = stopped.await;
+    }));
+    if let Some(path) = &config.address_file {
+        write_whole(path, &address.to_string())
+            .map_err(|source| StartError::AddressFile { path: path.clone(), source })?;
+    }
+    tracing::info!(%address, db = %config.db.display(), "listening");
+    Ok(Running { address, stop, server, driver, fleet, lineage })
+}
+
+impl Running {
+    /// The address listened on.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// The experiments, for those who embed a coordinator.
+    pub fn driver(&self) -> &Driver {
+        &self.driver
+    }
+
+    /// Stops handing out, commits what has arrived, says goodbye to the workers, closes the lineage.
+    /// Experiments stay `running` in it and are taken up at the next start.
+    pub async fn shutdown(self) {
+        self.driver.stop().await;
+        self.fleet.goodbye().await;
+        let _ = self.stop.send(());
+        // Watchers may hold their streams open: they had their goodbye.
+        if tokio::time::timeout(Duration::from_secs(2), self.server).await.is_err() {
+            tracing::debug!("clients still hold streams; closing them");
+        }
+        if let Err(error) = self.lineage.close().await {
+            tracing::warn!(%error, "the lineage was not closed in order; what is committed is safe");
+        }
+    }
+}
+
+/// Writes down which workers come and go.
+async fn note_workers(mut changes: broadcast::Receiver<Change>, lineage: Lineage) {
+    loop {
+        let written = match changes.recv().await {
+            Ok(Change::Joined(worker)) => {
+                tracing::info!(
+                    worker = worker.name,
+                    host = worker.host,
+                    slots = worker.slots,
+                    "worker joined"
+                );
+                lineage.worker_joined(worker).await
+            }
+            Ok(Change::Left { name, reason }) => {
+                tracing::info!(worker = name, reason, "worker left");
+                lineage.worker_left(name, reason.to_owned()).await
+            }
+            Err(RecvError::Lagged(missed)) => {
+                tracing::warn!(missed, "comings and goings of workers were not written down");
+                Ok(())
+            }
+            Err(RecvError::Closed) => return,
+        };
+        if written.is_err() {
+            return; // The lineage is closed; so will be the fleet.
+        }
+    }
+}
+
+/// Writes beside and renames, so that a reader sees all of it or nothing.
+fn write_whole(path: &std::path::Path, text: &str) -> std::io::Result<()> {
+    let beside = path.with_extension("part");
+    std::fs::write(&beside, text)?;
+    std::fs::rename(&beside, path)
+}

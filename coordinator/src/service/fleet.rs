@@ -1,0 +1,240 @@
+//! The fleet's service: takes workers in by their hello, and passes on what they say. Who gets what is the
+//! fleet's to decide.
+
+use crate::fleet::{Fleet, Mouth, WorkerInfo};
+use crate::scheduler::{AttemptId, Hello, News, Report};
+use creatures::{Interim, Outcome};
+use proto::convert::NOTE_SIZE_MAX;
+use proto::refusal::Refusal;
+use proto::v1::fleet_server::FleetServer;
+use proto::v1::worker_message::Kind;
+use proto::{MESSAGE_SIZE_MAX, PROTOCOL, v1};
+use std::convert::Infallible;
+use std::time::Duration;
+use tokio::sync::oneshot;
+use tokio::time::timeout;
+use tokio_stream::wrappers::ReceiverStream;
+use tonic::{Request, Response, Status, Streaming};
+
+/// The most that a worker may run at once.
+const SLOTS_MAX: u32 = 4096;
+/// The most that a worker may take at once, and hold when it attaches.
+const WINDOW_MAX: u32 = 65_536;
+/// The longest name of a worker or a host, bytes.
+const NAME_SIZE_MAX: usize = 128;
+/// The longest version, bytes.
+const VERSION_SIZE_MAX: usize = 64;
+/// From the call to the hello.
+const HELLO_TIMEOUT: Duration = Duration::from_secs(10);
+/// For a worker to hang up after its stream was closed.
+const HANG_UP_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// The service over a fleet.
+pub fn fleet(fleet: Fleet) -> FleetServer<FleetService> {
+    FleetServer::new(FleetService { fleet })
+        .max_decoding_message_size(MESSAGE_SIZE_MAX)
+        .max_encoding_message_size(MESSAGE_SIZE_MAX)
+}
+
+/// `hatchery.v1.Fleet`.
+#[derive(Debug)]
+pub struct FleetService {
+    fleet: Fleet,
+}
+
+#[tonic::async_trait]
+impl v1::fleet_server::Fleet for FleetService {
+    type AttachStream = ReceiverStream<Result<v1::CoordinatorMessage, Status>>;
+
+    async fn attach(
+        &self,
+        request: Request<Streaming<v1::WorkerMessage>>,
+    ) -> Result<Response<Self::AttachStream>, Status> {
+        let mut incoming = request.into_inner();
+        let first = timeout(HELLO_TIMEOUT, incoming.message())
+            .await
+            .map_err(|_| Status::deadline_exceeded(format!("no hello within {HELLO_TIMEOUT:?}")))??;
+        let Some(v1::WorkerMessage { kind: Some(Kind::Hello(hello)) }) = first else {
+            return Err(Refusal::Hello("it must come first".to_owned()).into());
+        };
+        let fingerprint = self.vet(&hello)?;
+        let hello = self.introduce(hello)?;
+        let attachment = self
+            .fleet
+            .attach(hello, fingerprint)
+            .await
+            .ok_or_else(|| Status::unavailable("the coordinator goes away"))??;
+        tokio::spawn(listen(incoming, attachment.mouth(), attachment.closed));
+        Ok(Response::new(ReceiverStream::new(attachment.messages)))
+    }
+
+    async fn workers(
+        &self,
+        _request: Request<v1::WorkersRequest>,
+    ) -> Result<Response<v1::WorkersReply>, Status> {
+        let workers = self.fleet.workers().await;
+        let workers = workers.into_iter().map(|worker| self.render(worker)).collect();
+        Ok(Response::new(v1::WorkersReply { workers }))
+    }
+}
+
+impl FleetService {
+    /// Whether a worker speaks as this program does and computes what it computes. Gives its fingerprint.
+    fn vet(&self, hello: &v1::Hello) -> Result<[u8; 32], Refusal> {
+        let settings = self.fleet.settings();
+        if hello.protocol != PROTOCOL {
+            return Err(Refusal::Protocol { worker: hello.protocol, coordinator: PROTOCOL });
+        }
+        if hello.version.len() > VERSION_SIZE_MAX {
+            let size = hello.version.len();
+            return Err(Refusal::Hello(format!(
+                "`version` has {size} bytes, the limit is {VERSION_SIZE_MAX}"
+            )));
+        }
+        if hello.version != settings.version {
+            let (worker, coordinator) = (hello.version.clone(), settings.version.clone());
+            return Err(Refusal::Version { worker, coordinator });
+        }
+        let fingerprint: [u8; 32] = hello.fingerprint[..].try_into().map_err(|_| {
+            Refusal::Hello(format!("`fingerprint` has {} bytes, must have 32", hello.fingerprint.len()))
+        })?;
+        if fingerprint != settings.fingerprint {
+            let (worker, coordinator) = (hexadecimal(&fingerprint), hexadecimal(&settings.fingerprint));
+            return Err(Refusal::Fingerprint { worker, coordinator });
+        }
+        Ok(fingerprint)
+    }
+
+    fn introduce(&self, hello: v1::Hello) -> Result<Hello, Refusal> {
+        let within = |field: &str, size: usize, limit: usize| {
+            let text = || format!("`{field}` has {size} bytes, the limit is {limit}");
+            if size <= limit { Ok(()) } else { Err(Refusal::Hello(text())) }
+        };
+        let between = |field: &str, found: u32, limit: u32| {
+            let text = || format!("`{field}` is {found}, must be 1 to {limit}");
+            if (1..=limit).contains(&found) { Ok(()) } else { Err(Refusal::Hello(text())) }
+        };
+        within("name", hello.name.len(), NAME_SIZE_MAX)?;
+        within("host", hello.host.len(), NAME_SIZE_MAX)?;
+        if hello.name.is_empty() || hello.name.chars().chain(hello.host.chars()).any(char::is_control) {
+            let text = "`name` must not be empty, and neither it nor `host` have control characters";
+            return Err(Refusal::Hello(text.to_owned()));
+        }
+        between("slots", hello.slots, SLOTS_MAX)?;
+        between("window", hello.window, WINDOW_MAX)?;
+        let limit = (WINDOW_MAX + SLOTS_MAX) as usize;
+        if hello.holding.len() > limit {
+            let found = hello.holding.len();
+            return Err(Refusal::Hello(format!("`holding` has {found} attempts, the limit is {limit}")));
+        }
+        // What is held for another lineage is void: the welcome says which one this is.
+        let is_ours = hello.lineage[..] == self.fleet.settings().lineage;
+        let holding = if is_ours { hello.holding } else { Vec::new() };
+        Ok(Hello {
+            name: hello.name,
+            host: hello.host,
+            version: hello.version,
+            slots: hello.slots,
+            window: hello.window,
+            holding: holding.into_iter().map(attempt).collect(),
+        })
+    }
+
+    fn render(&self, worker: WorkerInfo) -> v1::WorkerInfo {
+        v1::WorkerInfo {
+            id: worker.id.0,
+            name: worker.name,
+            host: worker.host,
+            slots: worker.slots,
+            version: worker.version,
+            state: worker.state.word().to_owned(),
+            in_flight: worker.in_flight,
+            window: worker.window,
+            completed: worker.completed,
+            lost: worker.lost,
+            busy_seconds: worker.busy_seconds,
+            attached_ms: self.fleet.unix_ms(worker.attached),
+            heard_ms: self.fleet.unix_ms(worker.heard),
+        }
+    }
+}
+
+/// Passes on what a worker says until its stream ends or the fleet closes it.
+async fn listen(
+    mut incoming: Streaming<v1::WorkerMessage>,
+    mouth: Mouth,
+    mut closed: oneshot::Receiver<Infallible>,
+) {
+    loop {
+        let message = tokio::select! {
+            message = incoming.message() => message,
+            _ = &mut closed => break,
+        };
+        let passed = match message {
+            Ok(Some(message)) => pass_on(message, &mouth).await,
+            Ok(None) => return mouth.left().await,
+            Err(_) => return mouth.broke().await,
+        };
+        if let Err(status) = passed {
+            mouth.misspoke(status).await;
+            break;
+        }
+    }
+    // Whoever hangs up first resets the stream: leave that to the worker, which may still be reading.
+    let hang_up = async { while let Ok(Some(_)) = incoming.message().await {} };
+    let _ = timeout(HANG_UP_TIMEOUT, hang_up).await;
+}
+
+async fn pass_on(message: v1::WorkerMessage, mouth: &Mouth) -> Result<(), Status> {
+    match message.kind {
+        Some(Kind::Reports(v1::Reports { reports })) => {
+            mouth.reports(reports.into_iter().map(report).collect::<Result<_, _>>()?).await;
+        }
+        Some(Kind::Heartbeat(v1::Heartbeat {})) => mouth.heartbeat().await,
+        Some(Kind::Window(v1::Window { evaluations })) => {
+            if !(1..=WINDOW_MAX).contains(&evaluations) {
+                return Err(Status::invalid_argument(format!(
+                    "`window.evaluations` is {evaluations}, must be 1 to {WINDOW_MAX}"
+                )));
+            }
+            mouth.window(evaluations).await;
+        }
+        Some(Kind::Drain(v1::Drain { returned })) => {
+            mouth.drain(returned.into_iter().map(attempt).collect()).await;
+        }
+        Some(Kind::Hello(_)) => return Err(Status::invalid_argument("a second hello")),
+        None => return Err(Status::invalid_argument("a message of an unknown kind")),
+    }
+    Ok(())
+}
+
+fn attempt(v1::Attempt { evaluation, number }: v1::Attempt) -> AttemptId {
+    AttemptId { evaluation, number }
+}
+
+/// Reads a report. An outcome that means nothing ends its attempt all the same; what names no attempt, or
+/// says nothing of it, is the worker's fault as a whole.
+fn report(report: v1::Report) -> Result<Report, Status> {
+    use v1::report::What;
+    let missing = |field| Status::invalid_argument(format!("`reports.{field}` is missing"));
+    let attempt = attempt(report.attempt.ok_or_else(|| missing("attempt"))?);
+    let news = match report.what.ok_or_else(|| missing("what"))? {
+        What::Interim(interim) => {
+            News::Interim(Interim::try_from(interim).map_err(|error| error.within("reports.interim"))?)
+        }
+        What::Outcome(outcome) => match Outcome::try_from(outcome) {
+            Ok(outcome) => News::Outcome(outcome),
+            Err(error) => News::Failure { reason: format!("outcome: {error}"), lasting: false },
+        },
+        What::Failure(v1::Failure { mut reason, r#final }) => {
+            reason.truncate(reason.floor_char_boundary(NOTE_SIZE_MAX));
+            News::Failure { reason, lasting: r#final }
+        }
+    };
+    let seconds = if report.seconds.is_finite() { report.seconds.max(0.0) } else { 0.0 };
+    Ok(Report { attempt, seconds, news })
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,77 @@
+//! A world is built once and stepped for ever: no step allocates, shown by an allocator that counts. One
+//! test, so that nothing else runs in this process.
+
+use creatures::physics::articulated::{Body, Ground, Joint, JointKind, ModelBuilder, Motor, Settings};
+use glam::DVec3;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+struct Counting;
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: every call is passed on to the system's allocator as it came.
+#[allow(unsafe_code, reason = "a global allocator cannot be written without")]
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+#[test]
+fn a_step_allocates_nothing() {
+    let settings = Settings { gravity: DVec3::NEG_Z * 9.81, erp: 0.2, ground: Some(Ground::level(0.9)) };
+    let mut model = ModelBuilder::new(settings);
+    let size = DVec3::new(0.1, 0.1, 0.05);
+    let mut parent = model.root(Body::cuboid(size, 100.0, DVec3::Z * 0.3));
+    let mut joints = vec![];
+    let kinds = [
+        JointKind::Hinge { axis: DVec3::X },
+        JointKind::Ball,
+        JointKind::Slider { axis: DVec3::Y },
+        JointKind::Fixed,
+    ];
+    for (k, kind) in kinds.into_iter().enumerate() {
+        let joint = Joint {
+            kind,
+            parent_anchor: DVec3::Y * 0.05,
+            child_anchor: DVec3::Y * -0.05,
+            stops: std::array::from_fn(|dof| (dof < kind.degrees()).then_some((-0.05, 0.05))),
+        };
+        let at = DVec3::new(0.0, 0.1 * (k + 1) as f64, 0.3);
+        let (body, joint) = model.attach(parent, Body::cuboid(size, 100.0, at), joint).unwrap();
+        parent = body;
+        joints.push(joint);
+    }
+    let mut world = model.build().unwrap();
+    let (mut touched, mut rounds) = (false, 0);
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    for step in 0..2000_u32 {
+        for &joint in &joints {
+            for dof in 0..world.degrees(joint) {
+                let rate = if step / 100 % 2 == 0 { 3.0 } else { -3.0 };
+                world.drive(joint, dof, Motor { rate, effort: 0.5 });
+            }
+        }
+        world.push(parent, DVec3::X * 0.01, DVec3::ZERO);
+        world.step(1.0 / 240.0).unwrap();
+        touched |= world.touches(parent, 0.0);
+        rounds = rounds.max(world.rounds());
+    }
+    let after = ALLOCATIONS.load(Ordering::Relaxed);
+    assert!(touched && rounds > 2, "the life is eventful: touched {touched}, {rounds} rounds");
+    assert_eq!(after - before, 0);
+}
