@@ -51,9 +51,9 @@ impl Reader {
         line: bool,
     ) -> Result<Vec<Ancestor>, ReadError> {
         let mut transaction = self.pool().begin().await?; // one state of the file
-        let exists: Option<Vec<u8>> =
-            sqlx::query_scalar(sql!("digest")).bind(of.sql()).fetch_optional(&mut *transaction).await?;
-        if exists.is_none() {
+        let exists: bool =
+            sqlx::query_scalar(sql!("exists")).bind(of.sql()).fetch_one(&mut *transaction).await?;
+        if !exists {
             return Err(ReadError::NotFound { what: "individual", reference: of.to_string() });
         }
         let edges: Vec<(i64, i64, String)> = sqlx::query_as(sql!("pedigree"))

@@ -264,7 +264,8 @@ impl Transaction<'_> {
                 Some(place) => Some(places.find(self, standing, place).await?),
                 None => None,
             };
-            rows.push((id, operator, individual.traits.to_string(), inherits));
+            let traits = self.traits(next.stage, &individual.traits).await?;
+            rows.push((id, operator, traits, inherits));
             for (ord, parent) in (0i64..).zip(&individual.parents) {
                 let role = self.register.word(self.connection, &parent.role).await?;
                 parents.push((id, ord, places.find(self, standing, parent.place).await?, role));
@@ -292,6 +293,24 @@ impl Transaction<'_> {
             })
             .await?;
         Ok(())
+    }
+
+    /// The traits column: values alone under the names of the stage's first individual, else the whole object.
+    async fn traits(&mut self, stage: StageId, traits: &serde_json::Value) -> Result<String, Refusal> {
+        let Some(object) = traits.as_object() else {
+            return Err(Refusal::Contradiction(format!("traits are a JSON object, not {traits}")));
+        };
+        if self.register.traits(stage).is_none() {
+            let names: Vec<String> = object.keys().cloned().collect();
+            let text = serde_json::Value::from(names.clone()).to_string();
+            let query = sqlx::query(sql!("name_traits")).bind(stage.sql()).bind(text);
+            query.execute(&mut *self.connection).await?;
+            self.register.name_traits(stage, names);
+        }
+        if self.register.traits(stage).is_some_and(|names| object.keys().eq(names)) {
+            return Ok(serde_json::Value::from_iter(object.values().cloned()).to_string());
+        }
+        Ok(traits.to_string())
     }
 
     async fn checkpoint(

@@ -131,7 +131,10 @@ async fn everything_written_is_read_again() {
     assert_eq!(culled.parents.iter().map(|link| link.parent.0).collect::<Vec<_>>(), [1, 2]);
     for (generation, ids) in [(1, &first), (2, &second)] {
         for (index, id) in (0..).zip(ids) {
-            assert_eq!(house.lineage.reader().genotype(*id).await.unwrap(), genotype(generation, index));
+            assert_eq!(
+                house.lineage.reader().individual(*id).await.unwrap().genotype,
+                genotype(generation, index)
+            );
         }
     }
     assert_eq!(house.one("SELECT count(*) FROM genotype WHERE base IS NOT NULL").await, i(4));
