@@ -27,6 +27,7 @@ pub fn walkers(body: &str, kind: &str, seed: u64, population: u32, generations: 
 name = "{body}-{kind}"
 system = "walker"
 seed = {seed}
+runs = 1
 
 [task]
 body = "{body}"

@@ -168,7 +168,7 @@ fn a_bad_experiment_file_is_refused_by_line_and_column_and_nothing_is_made() {
         ("no body", good.replace("body = \"crawler\"\n", ""), "body"),
         ("an unknown body", good.replace("body = \"crawler\"", "body = \"centipede\""), "centipede"),
         ("an unknown search", good.replace("kind = \"grn\"", "kind = \"gnr\""), "gnr"),
-        ("no TOML", good.replace("[task]", "[task"), "task"),
+        ("no TOML", good.replace("[task]", "[task"), "unclosed table"),
     ];
     for (what, text, named) in cases {
         let folder = tempfile::tempdir().expect("a temporary folder");
@@ -215,7 +215,7 @@ fn a_lineage_that_is_none_is_refused_with_a_word() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(folder.path().join("text.db"), "this is no database, and long enough to be read as one")
         .unwrap();
-    let said = refused(folder.path(), &["list", "--db", "text.db"], 1);
+    let said = refused(folder.path(), &["list", "--db", "text.db"], 2);
     assert!(said.contains("text.db"), "{said}");
     refused(folder.path(), &["list", "--db", "absent.db"], 3);
 }
