@@ -120,7 +120,7 @@ impl ExperimentsService {
 
     fn progress(&self, id: ExperimentId) -> Option<v1::Progress> {
         let counts = self.driver.progress(id)?.counts();
-        let fleet = self.driver.fleet().summary().borrow().clone();
+        let fleet = *self.driver.fleet().summary().borrow();
         Some(v1::Progress {
             evaluated: counts.evaluated,
             planned: counts.planned.unwrap_or(0),
@@ -189,16 +189,10 @@ impl v1::experiments_server::Experiments for ExperimentsService {
     }
 
     async fn get(&self, request: Request<v1::GetRequest>) -> Result<Response<v1::Experiment>, Status> {
-        let reference = request.into_inner().experiment;
-        let ids = self.find(&reference).await?;
-        let [id] = ids[..] else {
-            return Err(Status::invalid_argument(format!(
-                "`{reference}` names {} experiments: name one by its number",
-                ids.len()
-            )));
-        };
+        let reader = self.driver.lineage().reader();
+        let id = reader.find_one(&request.into_inner().experiment).await.map_err(status)?;
         let mut rendered = self.render(id).await?;
-        let stored = self.driver.lineage().reader().experiment(id).await.map_err(status)?;
+        let stored = reader.experiment(id).await.map_err(status)?;
         rendered.resolved = stored.resolved;
         Ok(Response::new(rendered))
     }
@@ -241,7 +235,8 @@ impl v1::experiments_server::Experiments for ExperimentsService {
     }
 }
 
-fn render_summary(summary: Summary) -> v1::Experiment {
+/// An experiment as the lineage has it, for the wire; without its resolved file.
+pub fn render_summary(summary: Summary) -> v1::Experiment {
     v1::Experiment {
         id: summary.id.0,
         name: summary.name,

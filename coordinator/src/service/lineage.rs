@@ -222,7 +222,7 @@ fn link(Link { parent, role }: Link) -> v1::ParentLink {
 }
 
 /// From a reader's error to a status. UNAVAILABLE: ask again.
-pub(crate) fn status(error: ReadError) -> Status {
+pub fn status(error: ReadError) -> Status {
     let text = error.to_string();
     match error {
         ReadError::NotFound { .. } => Status::not_found(text),
