@@ -135,7 +135,7 @@ CREATE TABLE outcome (
     worker          INTEGER REFERENCES worker (id),
     micros          INTEGER,                                     -- spent by the worker, for statistics alone
     -- What was measured: in columns, since as text it would weigh more than all the rest. Nothing stands in m0
-    -- if nothing was measured, or if it does not fit: too many, not a number, other names than the stage's.
+    -- if nothing was measured, or if it does not fit: too many, NaN or −0, other names than the stage's.
     m0 REAL, m1 REAL, m2 REAL, m3 REAL, m4 REAL, m5 REAL, m6 REAL, m7 REAL, m8 REAL, m9 REAL, m10 REAL, m11 REAL,
     measures        TEXT CHECK (json_type(measures) = 'array')   -- what does not fit: pairs of name and value
 ) STRICT;

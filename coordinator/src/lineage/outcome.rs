@@ -55,7 +55,7 @@ impl Measures {
         let measures = &outcome.measures;
         let fits = measures.len() <= MEASURES
             && measures.iter().map(|(name, _)| name).eq(stage_names)
-            && measures.iter().all(|(_, value)| !value.is_nan()); // which SQLite takes for NULL
+            && measures.iter().all(|(_, value)| is_kept(*value));
         let mut stored = Measures::default();
         if fits {
             for (column, (_, value)) in stored.numbers.iter_mut().zip(measures) {
@@ -88,6 +88,11 @@ impl Measures {
         }
         Ok(names.into_iter().zip(numbers).collect())
     }
+}
+
+/// Whether SQLite gives a number back to the bit: it takes NaN for NULL, and drops the sign of zero.
+fn is_kept(value: f64) -> bool {
+    !value.is_nan() && value.to_bits() != (-0.0f64).to_bits()
 }
 
 fn pairs(measures: &[(String, f64)]) -> String {
@@ -186,7 +191,7 @@ impl Columns {
         }
         let status = status(word).ok_or_else(|| format!("status `{word}` is unknown"))?;
         let interim = self.interim_step.map(|step| -> Result<Interim, String> {
-            // SQLite keeps no NaN; NULL beside a step is one.
+            // NULL beside a step is the NaN that was. Nothing depends on the sign of a zero here.
             let measure = self.interim_measure.unwrap_or(f64::NAN);
             Ok(Interim { step: small(step, "interim_step")?, measure })
         });
