@@ -5,6 +5,7 @@ use super::individual::Link;
 use super::sql::sql;
 use super::{IndividualId, ReadError, Reader};
 use search::Place;
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, VecDeque};
 
 /// One ancestor.
@@ -103,8 +104,8 @@ fn steps(
         }
         let links = parents.get(&child.sql()).map_or(&[][..], Vec::as_slice);
         for link in links.iter().take(if line { 1 } else { links.len() }) {
-            if !steps.contains_key(&link.parent) {
-                steps.insert(link.parent, so_far + 1);
+            if let Entry::Vacant(first) = steps.entry(link.parent) {
+                first.insert(so_far + 1);
                 ahead.push_back((link.parent, so_far + 1));
             }
         }

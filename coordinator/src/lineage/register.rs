@@ -25,8 +25,9 @@ impl Register {
         let workers: Vec<(String, i64)> =
             sqlx::query_as(sql!("worker_names")).fetch_all(&mut *connection).await?;
         let last: i64 = sqlx::query_scalar(sql!("last_individual")).fetch_one(&mut *connection).await?;
-        let open: Vec<(i64, u32, i64, Option<String>, Option<String>)> =
-            sqlx::query_as(sql!("open_generations")).fetch_all(&mut *connection).await?;
+        // Of each: its first individual, its size, its stage, and the names of traits and measures.
+        type Open = (i64, u32, i64, Option<String>, Option<String>);
+        let open: Vec<Open> = sqlx::query_as(sql!("open_generations")).fetch_all(&mut *connection).await?;
         let mut register = Register {
             words: words.into_iter().collect(),
             workers: workers.into_iter().collect(),

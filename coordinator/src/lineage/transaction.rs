@@ -10,6 +10,7 @@ use super::{ExperimentId, IndividualId, StageId};
 use search::{Individual, Place};
 use sqlx::sqlite::SqliteConnection;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::sync::LazyLock;
 
 /// Why an entry is not written.
@@ -389,14 +390,14 @@ impl Places {
         place: Place,
     ) -> Result<i64, Refusal> {
         let key = (place.stage, place.generation);
-        if !self.known.contains_key(&key) {
+        if let Entry::Vacant(unknown) = self.known.entry(key) {
             let query = sqlx::query_as::<_, (i64, i64)>(sql!("locate_generation"))
                 .bind(run.experiment)
                 .bind(run.run)
                 .bind(place.stage)
                 .bind(place.generation);
             let found = query.fetch_optional(&mut *transaction.connection).await?;
-            self.known.insert(key, found.map(|(first, size)| (first.cast_unsigned(), size.cast_unsigned())));
+            unknown.insert(found.map(|(first, size)| (first.cast_unsigned(), size.cast_unsigned())));
         }
         match self.known[&key] {
             Some((first, size)) if u64::from(place.index) < size => {
