@@ -23,14 +23,14 @@ fn main() {
     println!("{:24} {:>8} {:>12} {:>6} {:>9}", "creature", "µs/step", "rounds/step", "most", "over 12");
     for gait in gaits::ALL {
         let commands = |creature: &mut bodies::Creature, step: u32| {
-            if step % 4 == 0 {
+            if step.is_multiple_of(4) {
                 (gait.commands)(creature, f64::from(step) / 240.0);
             }
         };
         measure(gait.name, 1.0 / 240.0, |_| (gait.body)(bodies::earth()), commands);
         let mut draws = stream(1, [0; 3], "commands");
         let random = |creature: &mut bodies::Creature, step: u32| {
-            if step % 40 == 0 {
+            if step.is_multiple_of(40) {
                 creature.command_all(|| if draws.chance(0.3) { 0.0 } else { draws.between(-1.2, 1.2) });
             }
         };

@@ -5,12 +5,12 @@
 use std::path::Path;
 use std::pin::Pin;
 
-use coordinator::lineage::{ExperimentId, OpenError, Reader};
-use coordinator::service::lineage::{LineageService, read_status};
+use coordinator::lineage::{OpenError, ReadError, Reader};
+use coordinator::service::experiments::render_summary;
+use coordinator::service::lineage::{LineageService, OWN, status};
 use hyper_util::rt::TokioIo;
+use proto::v1;
 use proto::v1::experiments_server::{Experiments, ExperimentsServer};
-use proto::v1::lineage_server::LineageServer;
-use proto::{MESSAGE_SIZE_MAX, v1};
 use tokio_stream::{Stream, StreamExt};
 use tonic::transport::{Channel, Endpoint, Server};
 use tonic::{Request, Response, Status};
@@ -29,11 +29,8 @@ pub(super) async fn serve(path: &Path) -> Result<Channel, Failure> {
     let (ours, theirs) = tokio::io::duplex(PIPE_SIZE);
     let once = tokio_stream::once(Ok::<_, std::io::Error>(theirs)).chain(tokio_stream::pending());
     let router = Server::builder()
-        .add_service(
-            LineageServer::new(LineageService::new(reader.clone()))
-                .max_encoding_message_size(MESSAGE_SIZE_MAX),
-        )
-        .add_service(ExperimentsServer::new(Stored { reader }).max_encoding_message_size(MESSAGE_SIZE_MAX));
+        .add_service(LineageService::within(reader.clone(), OWN).into_server())
+        .add_service(ExperimentsServer::new(Stored { reader }));
     tokio::spawn(async move {
         if let Err(error) = router.serve_with_incoming(once).await {
             tracing::warn!("the service in this process ended: {error}");
@@ -62,15 +59,8 @@ fn refusal(error: OpenError) -> Failure {
 
 /// The `Experiments` service as far as a file can answer: what there is, and how far it was when last
 /// written.
-#[derive(Debug, Clone)]
 struct Stored {
     reader: Reader,
-}
-
-impl Stored {
-    async fn summary(&self, id: ExperimentId) -> Result<v1::Experiment, Status> {
-        self.reader.summary(id).await.map_err(|error| read_status(&error))
-    }
 }
 
 /// What only a coordinator can do.
@@ -81,23 +71,18 @@ fn needs_coordinator<T>() -> Result<Response<T>, Status> {
 #[tonic::async_trait]
 impl Experiments for Stored {
     async fn list(&self, _: Request<v1::ListRequest>) -> Result<Response<v1::ListReply>, Status> {
-        let mut experiments = Vec::new();
-        for id in self.reader.every().await.map_err(|error| read_status(&error))? {
-            experiments.push(self.summary(id).await?);
-        }
-        Ok(Response::new(v1::ListReply { experiments }))
+        let summaries = self.reader.summaries(None).await.map_err(status)?;
+        Ok(Response::new(v1::ListReply { experiments: summaries.into_iter().map(render_summary).collect() }))
     }
 
     async fn get(&self, request: Request<v1::GetRequest>) -> Result<Response<v1::Experiment>, Status> {
         let reference = request.into_inner().experiment;
-        let ids = self.reader.find(&reference).await.map_err(|error| read_status(&error))?;
-        let [id] = ids[..] else {
-            return Err(Status::invalid_argument(format!(
-                "`{reference}` names {} experiments: name one by its number",
-                ids.len()
-            )));
-        };
-        Ok(Response::new(self.summary(id).await?))
+        let id = self.reader.find_one(&reference).await.map_err(status)?;
+        let mut summaries = self.reader.summaries(Some(&[id])).await.map_err(status)?;
+        let summary = summaries.pop();
+        let summary = summary.ok_or_else(|| status(ReadError::NotFound { what: "experiment", reference }))?;
+        let resolved = self.reader.experiment(id).await.map_err(status)?.resolved;
+        Ok(Response::new(v1::Experiment { resolved, ..render_summary(summary) }))
     }
 
     async fn submit(&self, _: Request<v1::SubmitRequest>) -> Result<Response<v1::SubmitReply>, Status> {

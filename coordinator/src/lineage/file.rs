@@ -14,10 +14,8 @@ use std::time::Duration;
 const APPLICATION_ID: u32 = u32::from_be_bytes(*b"HATC");
 
 /// The schema, in the order in which it grew: a file of version n has seen the first n.
-const MIGRATIONS: [&str; 2] = [
-    include_str!("../../../migrations/0001_tables.sql"),
-    include_str!("../../../migrations/0002_views.sql"),
-];
+const MIGRATIONS: [&str; 2] =
+    [include_str!("../../../migrations/0001_tables.sql"), include_str!("../../../migrations/0002_views.sql")];
 
 /// The schema version that this program reads and writes.
 pub(crate) const SCHEMA: i64 = MIGRATIONS.len() as i64;
@@ -83,7 +81,8 @@ pub(crate) fn look(path: &Path) -> Result<Found, OpenError> {
     if header.len() < 100 || !header.starts_with(b"SQLite format 3\0") {
         return Err(foreign("not an SQLite database"));
     }
-    let word = |at: usize| u32::from_be_bytes(header[at..at + 4].try_into().expect("four bytes of a hundred"));
+    let word =
+        |at: usize| u32::from_be_bytes(header[at..at + 4].try_into().expect("four bytes of a hundred"));
     // Offsets of the database header: user_version 60, application_id 68.
     if word(68) != APPLICATION_ID {
         return Err(foreign("an SQLite database of another program"));

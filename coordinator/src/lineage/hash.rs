@@ -115,7 +115,8 @@ async fn add(
         while let Some((_, parent, role)) = links.next_if(|(child, ..)| *child == row.id) {
             parents.push((place(places, parent).ok_or_else(|| damaged(id, "a parent has no place"))?, role));
         }
-        let parents: Vec<(Place, &str)> = parents.iter().map(|(place, role)| (*place, role.as_str())).collect();
+        let parents: Vec<(Place, &str)> =
+            parents.iter().map(|(place, role)| (*place, role.as_str())).collect();
         hasher.row(&HashRow {
             run: generation.run,
             place: Place { stage: generation.stage, generation: generation.generation, index },

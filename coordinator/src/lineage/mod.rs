@@ -8,10 +8,10 @@ mod error;
 mod fault;
 mod file;
 mod genotype;
-mod id;
-mod outcome;
 mod hash;
+mod id;
 mod individual;
+mod outcome;
 mod pedigree;
 mod query;
 mod reader;
@@ -21,18 +21,18 @@ mod resume;
 mod sandbox;
 mod sql;
 mod summary;
-mod transaction;
-mod writer;
 #[cfg(test)]
 mod tests;
+mod transaction;
+mod writer;
 
 pub use entry::{
     Attempt, CloseGeneration, Culling, Ending, Evaluated, Event, Fate, Joined, NewExperiment, NewStage,
     OpenGeneration, Ruling, SetAside, State,
 };
 pub use error::{OpenError, QueryError, ReadError, WriteError};
-pub use id::{ExperimentId, IndividualId, StageId};
 pub use hash::ExperimentHash;
+pub use id::{ExperimentId, IndividualId, StageId};
 pub use individual::{AttemptLine, Link, Portrait};
 pub use pedigree::Ancestor;
 pub use query::{Answer, Cell, Limits, VIEWS};

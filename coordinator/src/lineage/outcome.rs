@@ -126,7 +126,8 @@ impl Columns {
         let wrong = || format!("measures `{measures}` make no sense");
         let values: Vec<Value> = serde_json::from_str(measures).map_err(|_| wrong())?;
         if values.first().is_some_and(Value::is_array) {
-            let pair = |value: &Value| Some((value.get(0)?.as_str()?.to_owned(), read_number(value.get(1)?)?));
+            let pair =
+                |value: &Value| Some((value.get(0)?.as_str()?.to_owned(), read_number(value.get(1)?)?));
             return values.iter().map(|value| pair(value).ok_or_else(wrong)).collect();
         }
         let names = self.measure_names.as_deref().map_or(Ok(Vec::new()), read_names).map_err(|()| wrong())?;

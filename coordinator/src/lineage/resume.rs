@@ -100,7 +100,6 @@ pub struct Standing {
     pub ending: Option<Result<Outcome, SetAside>>,
 }
 
-
 #[derive(sqlx::FromRow)]
 struct ExperimentRow {
     id: i64,
@@ -213,8 +212,10 @@ impl Reader {
     /// Where a stage goes on; `None` when it has no generation yet, or has ended.
     pub async fn resume_point(&self, stage: StageId) -> Result<Option<ResumePoint>, ReadError> {
         let mut transaction = self.pool().begin().await?; // one state of the file
-        let open: Option<OpenGenerationRow> =
-            sqlx::query_as(sql!("open_generation")).bind(stage.sql()).fetch_optional(&mut *transaction).await?;
+        let open: Option<OpenGenerationRow> = sqlx::query_as(sql!("open_generation"))
+            .bind(stage.sql())
+            .fetch_optional(&mut *transaction)
+            .await?;
         let Some(open) = open else { return Ok(None) };
         if open.checkpoint_generation != open.number {
             return Err(ReadError::Corrupt {
@@ -281,7 +282,8 @@ async fn standings(
         let id = IndividualId::of(row.id);
         let damaged = |problem| ReadError::Corrupt { problem: format!("individual {id}: {problem}") };
         let ending: Known = row.outcome.read().map_err(damaged)?;
-        let digest = row.digest.try_into().map_err(|_| damaged("its digest is not 32 bytes long".to_owned()))?;
+        let digest =
+            row.digest.try_into().map_err(|_| damaged("its digest is not 32 bytes long".to_owned()))?;
         Ok(Standing { id, index, digest, ending })
     };
     (0..).zip(rows).map(standing).collect()

@@ -55,10 +55,7 @@ impl v1::lineage_server::Lineage for LineageService {
     type QueryStream = Replies<v1::QueryReply>;
     type AncestryStream = Replies<v1::Ancestor>;
 
-    async fn query(
-        &self,
-        request: Request<v1::QueryRequest>,
-    ) -> Result<Response<Self::QueryStream>, Status> {
+    async fn query(&self, request: Request<v1::QueryRequest>) -> Result<Response<Self::QueryStream>, Status> {
         let v1::QueryRequest { what, row_limit, timeout_ms } = request.into_inner();
         let asked = |most: Limits| Limits {
             rows: if row_limit == 0 { most.rows } else { most.rows.min(row_limit) },
@@ -96,8 +93,7 @@ impl v1::lineage_server::Lineage for LineageService {
         request: Request<v1::AncestryRequest>,
     ) -> Result<Response<Self::AncestryStream>, Status> {
         let v1::AncestryRequest { individual, depth, line } = request.into_inner();
-        let ancestors =
-            self.reader.ancestry(IndividualId(individual), depth, line).await.map_err(status)?;
+        let ancestors = self.reader.ancestry(IndividualId(individual), depth, line).await.map_err(status)?;
         Ok(Response::new(Box::pin(tokio_stream::iter(ancestors).map(|one| Ok(ancestor(one))))))
     }
 
@@ -226,7 +222,7 @@ fn link(Link { parent, role }: Link) -> v1::ParentLink {
 }
 
 /// From a reader's error to a status. UNAVAILABLE: ask again.
-pub(crate) fn status(error: ReadError) -> Status {
+pub fn status(error: ReadError) -> Status {
     let text = error.to_string();
     match error {
         ReadError::NotFound { .. } => Status::not_found(text),

@@ -26,12 +26,17 @@ async fn a_pedigree_goes_back_to_the_founders() {
     assert_eq!(ids(reader.ancestry(one, 0, false).await.unwrap()), [(4, 1), (5, 1), (1, 2), (2, 2), (3, 2)]);
     assert_eq!(ids(reader.ancestry(one, 1, false).await.unwrap()), [(4, 1), (5, 1)]);
     let line = reader.ancestry(one, 0, true).await.unwrap();
-    assert_eq!(line[0].parents.iter().map(|link| link.role.as_str()).collect::<Vec<_>>(), ["first", "second"]);
+    assert_eq!(
+        line[0].parents.iter().map(|link| link.role.as_str()).collect::<Vec<_>>(),
+        ["first", "second"]
+    );
     assert_eq!(line[0].place, Place { stage: 0, generation: 2, index: 0 });
     assert_eq!((line[1].operator.as_str(), line[1].parents.len()), ("random", 0));
     assert_eq!(ids(line), [(4, 1), (1, 2)]);
     assert!(matches!(reader.ancestry(IndividualId(99), 0, false).await, Err(ReadError::NotFound { .. })));
-    let view = house.all("SELECT ancestor, depth FROM v_ancestors WHERE individual = 7 ORDER BY depth, ancestor").await;
+    let view = house
+        .all("SELECT ancestor, depth FROM v_ancestors WHERE individual = 7 ORDER BY depth, ancestor")
+        .await;
     let expected = [(4, 1), (5, 1), (1, 2), (2, 2), (3, 2)];
     assert_eq!(view, expected.map(|(id, depth)| vec![Cell::Integer(id), Cell::Integer(depth)]));
 }
@@ -61,7 +66,10 @@ async fn every_view_reads_whole_and_by_experiment() {
             }
         }
     }
-    assert!(matches!(house.lineage.reader().view("individual", None, WIDE).await, Err(QueryError::Malformed(_))));
+    assert!(matches!(
+        house.lineage.reader().view("individual", None, WIDE).await,
+        Err(QueryError::Malformed(_))
+    ));
 }
 
 #[tokio::test]
@@ -167,7 +175,8 @@ async fn users_sql_ends() {
 #[tokio::test]
 async fn values_come_as_they_are() {
     let house = House::new().await;
-    let row = house.all("SELECT 1, 1.0, 'a', x'00ff', NULL, 9007199254740993, CAST(x'ff' AS TEXT)").await.remove(0);
+    let row =
+        house.all("SELECT 1, 1.0, 'a', x'00ff', NULL, 9007199254740993, CAST(x'ff' AS TEXT)").await.remove(0);
     assert_eq!(
         row,
         [

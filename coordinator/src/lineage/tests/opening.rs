@@ -50,7 +50,8 @@ async fn a_newer_schema_is_refused_untouched() {
 async fn what_is_no_lineage_is_refused_untouched() {
     let folder = tempfile::tempdir().unwrap();
     let text = folder.path().join("notes.txt");
-    std::fs::write(&text, "a letter, and rather a long one, since a header has a hundred bytes. ".repeat(5)).unwrap();
+    std::fs::write(&text, "a letter, and rather a long one, since a header has a hundred bytes. ".repeat(5))
+        .unwrap();
     assert!(matches!(error(&text).await, OpenError::Foreign { .. }));
     let other = folder.path().join("other.db");
     let options = sqlx::sqlite::SqliteConnectOptions::new().filename(&other).create_if_missing(true);

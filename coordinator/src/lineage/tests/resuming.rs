@@ -11,8 +11,12 @@ async fn a_kill_loses_what_was_not_flushed_and_nothing_else() {
     let second = house.generation(stage, 2, 3).await;
     house.lineage.record(vec![settled(second[0], outcome(0.5))]).await.unwrap();
     let set_aside = Err(SetAside { reason: "3 workers died".to_owned() });
-    let failed =
-        Evaluated { individual: second[1], ending: Ending::Settled(set_aside.clone()), ruling: None, attempts: vec![] };
+    let failed = Evaluated {
+        individual: second[1],
+        ending: Ending::Settled(set_aside.clone()),
+        ruling: None,
+        attempts: vec![],
+    };
     house.lineage.record(vec![failed]).await.unwrap();
     house.lineage.flush().await.unwrap();
     house.lineage.record(vec![settled(second[2], outcome(0.75))]).await.unwrap();

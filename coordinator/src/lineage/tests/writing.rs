@@ -89,7 +89,8 @@ async fn everything_written_is_read_again() {
     let end = house.lineage.reader().checkpoint(stage).await.unwrap();
     assert_eq!(end.as_deref(), Some(&b"the end"[..]));
 
-    let statuses = house.all("SELECT status, fitness, idx, operator FROM v_individuals WHERE generation = 2").await;
+    let statuses =
+        house.all("SELECT status, fitness, idx, operator FROM v_individuals WHERE generation = 2").await;
     assert_eq!(
         statuses,
         [("culled", Some(0.0)), ("aborted:blow_up", Some(0.0)), ("failed", None), ("completed", Some(3.0))]
@@ -103,7 +104,8 @@ async fn everything_written_is_read_again() {
             ])
             .collect::<Vec<_>>()
     );
-    let sql = "SELECT completed, culled, aborted, failed, inherited, best, mean, worst, best_individual, steps
+    let sql =
+        "SELECT completed, culled, aborted, failed, inherited, best, mean, worst, best_individual, steps
         FROM v_generations ORDER BY generation";
     let counts = house.all(sql).await;
     let (i, r) = (Cell::Integer, Cell::Real);
@@ -141,7 +143,10 @@ async fn everything_written_is_read_again() {
         house.all("SELECT species, size, representative, quota FROM v_species").await,
         [vec![i(3), i(4), i(3), i(4)]]
     );
-    assert_eq!(house.one("SELECT notes FROM v_generations WHERE generation = 1").await, text(r#"{"register":17}"#));
+    assert_eq!(
+        house.one("SELECT notes FROM v_generations WHERE generation = 1").await,
+        text(r#"{"register":17}"#)
+    );
     assert_eq!(house.one("SELECT reason FROM v_workers WHERE host = 'lab'").await, text("drained"));
     assert_eq!(house.one("SELECT text FROM event").await, text("unequal bits"));
 }
@@ -210,7 +215,10 @@ async fn what_contradicts_the_lineage_is_refused_and_costs_nothing_else() {
 #[tokio::test]
 async fn names_are_made_unique_and_cells_stay_together() {
     let house = House::new().await;
-    let cell = |cell: &str| NewExperiment { group: Some("table".to_owned()), ..experiment(&format!("table/{cell}")) };
+    let cell = |cell: &str| NewExperiment {
+        group: Some("table".to_owned()),
+        ..experiment(&format!("table/{cell}"))
+    };
     house.lineage.create(vec![experiment("one")]).await.unwrap();
     house.lineage.create(vec![experiment("one")]).await.unwrap();
     house.lineage.create(vec![cell("a"), cell("b")]).await.unwrap();
@@ -222,14 +230,13 @@ async fn names_are_made_unique_and_cells_stay_together() {
         names(reader.summaries(None).await.unwrap()),
         ["one", "one-2", "table/a", "table/b", "table-2/a", "table-2/b", "table-3"]
     );
-    for (reference, meant) in [
-        ("last", vec![7]),
-        ("2", vec![2]),
-        ("one-2", vec![2]),
-        ("table-2", vec![5, 6]),
-        ("table/b", vec![4]),
-    ] {
-        assert_eq!(reader.find(reference).await.unwrap(), meant.into_iter().map(ExperimentId).collect::<Vec<_>>());
+    for (reference, meant) in
+        [("last", vec![7]), ("2", vec![2]), ("one-2", vec![2]), ("table-2", vec![5, 6]), ("table/b", vec![4])]
+    {
+        assert_eq!(
+            reader.find(reference).await.unwrap(),
+            meant.into_iter().map(ExperimentId).collect::<Vec<_>>()
+        );
     }
     assert!(matches!(reader.find("nobody").await, Err(ReadError::NotFound { .. })));
     let several = reader.find_one("table").await.unwrap_err();

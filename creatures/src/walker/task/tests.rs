@@ -152,6 +152,6 @@ fn a_number_that_is_none_ends_a_life_with_fitness_zero() {
     let end = life.live(None, &mut |_| {});
     let outcome = life.outcome(end);
     assert_eq!((outcome.status, outcome.fitness), (Status::Aborted(Reason::NonFinite), 0.0));
-    assert!(outcome.note.ends_with("at step 0"), "{}", outcome.note);
+    assert_eq!(outcome.note, "a sensor is not finite at step 0");
     assert!(outcome.measures.iter().all(|(_, value)| value.is_finite()), "{:?}", outcome.measures);
 }

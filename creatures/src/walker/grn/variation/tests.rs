@@ -67,7 +67,7 @@ fn mutations_do_what_they_say_at_their_shares() {
             _ => assert!(changed == 0 && (child.beta == parent.beta) != (child.delta == parent.delta)),
         }
     }
-    for (operator, share) in [("tag", 6000), ("add", 1500), ("remove", 1500), ("scaling", 1000)] {
+    for (operator, share) in [("tag", 6000_i32), ("add", 1500), ("remove", 1500), ("scaling", 1000)] {
         assert!((counts[operator] - share).abs() < 200, "{counts:?}");
     }
 }

@@ -185,7 +185,7 @@ fn mutations_do_what_they_say_at_their_shares() {
             *counts.entry(operator).or_insert(0) += 1;
         }
     }
-    for (operator, expected) in [("add_node", 300), ("add_link", 700), ("weights", 1000)] {
+    for (operator, expected) in [("add_node", 300_i32), ("add_link", 700), ("weights", 1000)] {
         assert!((counts[operator] - expected).abs() < 120, "{counts:?}");
     }
 }
