@@ -1,6 +1,8 @@
 //! Every command of `hatchery`, on a finished lineage file: what it exits with, what `--json` gives, and what it
 //! says of bad input.
 
+#![allow(clippy::unwrap_used, reason = "a test that unwraps says where it failed")]
+
 use std::path::Path;
 use std::sync::LazyLock;
 use std::time::Duration;

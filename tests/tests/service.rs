@@ -1,6 +1,8 @@
 //! The services as a program in another language sees them: health, reflection, bare evaluation, several
 //! experiments at once.
 
+#![allow(clippy::unwrap_used, reason = "a test that unwraps says where it failed")]
+
 use std::collections::BTreeMap;
 
 use creatures::random::stream;

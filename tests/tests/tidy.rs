@@ -1,5 +1,7 @@
 //! The rules of the house that a program can check. Each failure names the file and the line.
 
+#![allow(clippy::unwrap_used, reason = "a test that unwraps says where it failed")]
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
