@@ -8,7 +8,7 @@ pub use convert::{ConvertError, TaskHash, task_hash};
 pub use refusal::Refusal;
 
 /// The messages and services of `hatchery.v1`, as the .proto files document them.
-#[allow(missing_docs, clippy::all, unreachable_pub, reason = "generated code")]
+#[allow(missing_docs, clippy::all, unreachable_pub, rustdoc::all, reason = "generated code")]
 pub mod v1 {
     tonic::include_proto!("hatchery.v1");
 }

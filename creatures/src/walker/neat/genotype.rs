@@ -38,7 +38,7 @@ pub struct Link {
     pub recurrent: bool,
 }
 
-/// A network's plan. Nodes are numbered: sensors 0.., bias, outputs, then hidden ones (see [`Layout`]).
+/// A network's plan. Nodes are numbered: sensors 0.., bias, outputs, then hidden ones (see `Layout`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Genotype {
     /// The body whose sensors and motors it is wired to.
