@@ -1,5 +1,6 @@
 //! Evaluates random walkers of every body and controller: `cargo run --release -p creatures --example walk
-//! [COUNT]`. Prints milliseconds an evaluation on one core and the range of fitness.
+//! [COUNT]`. Prints milliseconds an evaluation on one core, the range of fitness, and a hash of the outcomes,
+//! which is the same on every machine and in every profile.
 
 #![allow(clippy::disallowed_types, reason = "an example may look at the clock; the library may not")]
 
@@ -10,7 +11,10 @@ use std::time::Instant;
 
 fn main() {
     let count: u32 = std::env::args().nth(1).and_then(|count| count.parse().ok()).unwrap_or(100);
-    println!("{:8} {:5} {:>8} {:>7} {:>7} {:>7}  aborted", "body", "", "ms", "mean", "best", "peak m/s");
+    println!(
+        "{:8} {:5} {:>8} {:>7} {:>7} {:>8} {:>7}  outcomes",
+        "body", "", "ms", "mean", "best", "peak m/s", "aborted"
+    );
     for body in BodyKind::ALL {
         for controller in [grn::CONTROLLER, neat::CONTROLLER] {
             let task = WalkerTask::new(body);
@@ -27,8 +31,15 @@ fn main() {
             let speed = outcomes.iter().flat_map(|outcome| &outcome.measures);
             let speed = speed.filter(|(name, _)| name == "speed_max").fold(0.0, |s, (_, v)| f64::max(s, *v));
             let aborted = outcomes.iter().filter(|outcome| !outcome.note.is_empty()).count();
+            let mut hasher = blake3::Hasher::new();
+            for outcome in &outcomes {
+                hasher.update(&outcome.digest());
+            }
+            let hash = &hasher.finalize().to_hex()[..8];
             let body = body.name();
-            println!("{body:8} {controller:5} {ms:8.3} {mean:7.2} {best:7.2} {speed:7.2}  {aborted}");
+            println!(
+                "{body:8} {controller:5} {ms:8.3} {mean:7.2} {best:7.2} {speed:8.2} {aborted:7}  {hash}"
+            );
         }
     }
 }

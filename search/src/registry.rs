@@ -28,6 +28,9 @@ pub trait Plan: fmt::Debug + Send + Sync {
     fn restore(&self, seed: u64, stage: u32, bytes: &[u8]) -> Result<Box<dyn Search>, RestoreError>;
 }
 
+/// Reads a `[search]` table for a resolved task.
+type Read = fn(table: Value, task: &Value) -> Result<Box<dyn Plan>, SpecError>;
+
 /// One kind of search.
 #[derive(Debug)]
 pub struct Kind {
@@ -37,7 +40,7 @@ pub struct Kind {
     pub system: &'static str,
     /// Independent repetitions where the experiment does not say.
     pub runs: u32,
-    read: fn(table: Value, task: &Value) -> Result<Box<dyn Plan>, SpecError>,
+    read: Read,
 }
 
 /// Every kind.

@@ -16,7 +16,8 @@ fn plan(kind: &str, body: &str) -> Box<dyn Plan> {
         // Structure grows fast enough to be seen within a few generations.
         table["neat"] = json!({ "add_node": 0.2, "add_link": 0.3, "weights": 0.4, "interspecies": 0.1 });
     }
-    registry::kind(&table, system).unwrap().plan(table, &json!({ "body": body })).unwrap()
+    let kind = registry::kind(&table, system).expect("the kind fits");
+    kind.plan(table, &json!({ "body": body })).expect("the table is legal")
 }
 
 const SEARCHES: [(&str, &str); 4] =
@@ -363,6 +364,58 @@ fn the_defaults_are_the_papers() {
     );
 }
 
+/// A change here changes every lineage: draws, their order, encodings.
+#[test]
+fn histories_are_the_same_on_every_machine() {
+    let hash = |kind, body| -> String {
+        let mut hasher = search::LineageHasher::new();
+        for (number, generation) in (1u32..).zip(history(plan(kind, body).start(1, 0).as_mut())) {
+            for (index, one) in (0u32..).zip(&generation) {
+                let parents: Vec<(Place, &str)> =
+                    one.parents.iter().map(|parent| (parent.place, parent.role.as_str())).collect();
+                hasher.row(&search::HashRow {
+                    run: 1,
+                    place: Place { stage: 0, generation: number, index },
+                    genotype: &one.genotype,
+                    parents: &parents,
+                    operator: &one.operator,
+                    status: "completed",
+                    fitness: score(&one.genotype),
+                });
+            }
+        }
+        hasher.finish().iter().map(|byte| format!("{byte:02x}")).collect()
+    };
+    let hashes: Vec<String> = SEARCHES.iter().map(|(kind, body)| hash(kind, body)).collect();
+    insta::assert_snapshot!(hashes.join("\n"), @r"
+    1a5e6111e6bab23d6013c0a0917a40ad8982853c82b226fe95c8a476b1a58953
+    4e3f1e58b2885df48ab7a0672b7c96f7e451706f44379d566482e111b63f7264
+    10ab1a7a4dfc3ef61eed3d2f8361acaaddba22f825f3ef35939258e44f256bc8
+    a49d2271c106d0838ba16c6c57e0f2131b16eb6a2abd73a579a53ea0564c60e5
+    ");
+}
+
+#[test]
+fn a_checkpoint_of_other_settings_is_refused() {
+    for (kind, body) in SEARCHES.into_iter().filter(|(kind, _)| *kind != "probe") {
+        let mut search = plan(kind, body).start(1, 0);
+        let asked = search.ask();
+        search.tell(&evaluate(&asked));
+        let problem = |table: Value, body: &str| {
+            let other =
+                registry::kind(&table, "walker").unwrap().plan(table, &json!({ "body": body })).unwrap();
+            other.restore(1, 0, &search.checkpoint()).err().map(|problem| problem.to_string())
+        };
+        let size = problem(json!({ "kind": kind, "population": 25 }), body);
+        assert_eq!(size.unwrap(), "checkpoint does not fit its search: its population has another size");
+        let other_body = problem(json!({ "kind": kind, "population": 24 }), "runner");
+        assert_eq!(
+            other_body.unwrap(),
+            "checkpoint does not fit its search: its population has another body"
+        );
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
@@ -383,7 +436,12 @@ proptest! {
             let mut bytes = search.checkpoint();
             let at = at.index(bytes.len());
             bytes[at] = byte;
-            let _ = plan.restore(1, 0, &bytes);
+            // Damage that goes unnoticed changes a history, which the lineage notices; it breaks nothing.
+            if let Ok(mut search) = plan.restore(1, 0, &bytes) {
+                let asked = search.ask();
+                search.tell(&evaluate(&asked));
+                search.ask();
+            }
         }
     }
 }

@@ -1,1 +1,20 @@
-//! tests
+//! The harness: real coordinators, workers and clients as processes of their own, in a folder of their own, on
+//! ports that the system chooses. It knows no test, and leaves no process behind.
+//!
+//! ```text
+//! programs    finds and builds the binaries           process     one guarded child, its signals and its log
+//! hatchery    a coordinator, its workers, a lineage   client      questions over gRPC
+//! samples     small experiments
+//! ```
+
+pub mod client;
+pub mod command;
+pub mod hatchery;
+pub mod local;
+pub mod process;
+pub mod programs;
+pub mod samples;
+
+pub use client::Client;
+pub use hatchery::Hatchery;
+pub use process::Process;

@@ -246,10 +246,12 @@ impl Session {
                     None => stirred = self.report(slots),
                 },
                 Event::Stirred => stirred = true,
-                Event::Beat if self.outgoing.is_empty() => {
-                    self.outgoing.push_back(Outgoing::Heartbeat(v1::Heartbeat {}));
+                Event::Beat => {
+                    stirred = true; // no report waits for company longer than this
+                    if self.outgoing.is_empty() {
+                        self.outgoing.push_back(Outgoing::Heartbeat(v1::Heartbeat {}));
+                    }
                 }
-                Event::Beat => {}
                 Event::Shutdown => {
                     tracing::info!("draining");
                     self.draining = true;

@@ -21,7 +21,7 @@ struct Shared {
     state: Mutex<State>,
     /// Signalled when the queue has grown and a slot waits.
     work: Condvar,
-    /// Signalled when something happened after nothing had: a first report waits, or the last slot is idle.
+    /// Signalled when reports are worth sending, or when the last slot has become idle.
     stirred: Notify,
 }
 
@@ -29,6 +29,8 @@ struct State {
     queue: VecDeque<Evaluation>,
     running: Vec<Option<Running>>, // (slots)
     outbox: Outbox,
+    /// Whether somebody was woken for the reports that wait.
+    is_announced: bool,
     pace: Pace,
     waiting_slots: usize,
     closed: bool,
@@ -51,6 +53,7 @@ impl Slots {
             queue: VecDeque::new(),
             running: vec![None; count],
             outbox: Outbox::default(),
+            is_announced: false,
             pace: Pace::default(),
             waiting_slots: 0,
             closed: false,
@@ -80,9 +83,8 @@ impl Slots {
 
     /// Adds a report of an evaluation that never got to a slot.
     pub(crate) fn report(&self, report: Report) {
-        if self.shared.lock().outbox.push(report) {
-            self.shared.stirred.notify_one();
-        }
+        self.shared.lock().outbox.push(report);
+        self.shared.stirred.notify_one();
     }
 
     /// Returns when a report may be waiting, or all slots may have become idle.
@@ -93,6 +95,7 @@ impl Slots {
     /// The next reports to send, `count_max` at most, and the window that the pace asks for.
     pub(crate) fn take_reports(&self, count_max: usize) -> (Vec<Report>, u32) {
         let mut state = self.shared.lock();
+        state.is_announced = false;
         (state.outbox.take(count_max), state.pace.window(self.count))
     }
 
@@ -160,18 +163,19 @@ impl Drop for Slots {
 }
 
 impl State {
-    /// Takes a slot's last report. True if it is worth waking somebody for.
+    /// Takes a slot's last report. True if it is time to wake somebody.
     fn hand_in(&mut self, slot: usize, report: Report) -> bool {
         self.pace.observe(report.seconds);
-        match self.running[slot].take() {
-            Some(running) if running.wanted => self.outbox.push(report),
-            _ => self.is_idle(),
+        if self.running[slot].take().is_some_and(|running| running.wanted) {
+            self.outbox.push(report);
         }
+        let is_time = self.queue.is_empty() || self.outbox.waiting() >= self.pace.batch();
+        is_time && !std::mem::replace(&mut self.is_announced, true)
     }
 
     fn is_idle(&self) -> bool {
         let wanted = self.running.iter().flatten().any(|running| running.wanted);
-        self.queue.is_empty() && self.outbox.is_empty() && !wanted
+        self.queue.is_empty() && self.outbox.waiting() == 0 && !wanted
     }
 }
 
@@ -200,7 +204,9 @@ impl Shared {
     fn tell(&self, slot: usize, report: Report) {
         let mut state = self.lock();
         let wanted = state.running[slot].is_some_and(|running| running.wanted);
-        if wanted && state.outbox.push(report) {
+        if wanted {
+            state.outbox.push(report);
+            state.is_announced = true;
             drop(state);
             self.stirred.notify_one();
         }

@@ -4,6 +4,8 @@
 /// What passes, at worst, between a report and the evaluation that takes its place: a round trip, a batch
 /// read, a thread woken. Seconds. A slot that has so much work ahead of it never waits.
 const TURNAROUND: f64 = 0.003;
+/// What reports may wait for company, so that short evaluations share a wake-up and a message. Seconds.
+const COMPANY: f64 = 0.000_05;
 /// However short evaluations are, more of them a slot only grow messages and the loss when a worker dies.
 const PER_SLOT_MAX: usize = 128;
 /// The most that a coordinator grants.
@@ -32,6 +34,11 @@ impl Pace {
         };
         let window = slots + ahead.clamp(1, slots * (PER_SLOT_MAX - 1));
         window.min(WINDOW_MAX) as u32
+    }
+
+    /// How many reports are worth a wake-up while there is more to evaluate: 1 from 50 microseconds on.
+    pub(crate) fn batch(&self) -> usize {
+        self.mean.map_or(1, |mean| (COMPANY / mean.max(1e-9)) as usize).clamp(1, PER_SLOT_MAX / 4)
     }
 }
 
@@ -90,6 +97,17 @@ mod tests {
         assert_eq!(pace.window(2), 3);
         (0..400).for_each(|_| pace.observe(0.000_002));
         assert_eq!(pace.window(2), 256);
+    }
+
+    #[test]
+    fn only_very_short_evaluations_wait_for_company() {
+        let batch = |seconds| {
+            let mut pace = Pace::default();
+            pace.observe(seconds);
+            pace.batch()
+        };
+        assert_eq!([1.0, 0.001, 0.000_05, 0.000_02, 0.000_003, 0.0].map(batch), [1, 1, 1, 2, 16, 32]);
+        assert_eq!(Pace::default().batch(), 1);
     }
 
     #[test]

@@ -55,16 +55,16 @@ impl Generation {
                 generation.fill(index, known);
             }
         }
-        for index in 0..size {
-            let from_previous = inherits[index].filter(|place| place.generation < number).and_then(|place| {
-                previous?.known(place.index as usize).cloned().zip(previous?.id(place.index as usize))
-            });
-            if let (None, Some((known, from))) = (&generation.settled[index], from_previous) {
-                inherited.push(Inherited { heir: generation.first.at(index as u32), from });
-                inherited.extend(generation.settle(index, known));
-            } else if let Some(known) = generation.settled[index].clone() {
+        for (index, source) in inherits.iter().enumerate() {
+            if let Some(known) = generation.settled[index].clone() {
                 // What was on disk may have heirs that were not.
                 inherited.extend(generation.pass_on(index, &known));
+            } else if let Some(source) = source.filter(|place| place.generation < number)
+                && let Some(previous) = previous
+                && let Some((known, from)) = previous.standing(source.index as usize)
+            {
+                inherited.push(Inherited { heir: first.at(index as u32), from });
+                inherited.extend(generation.settle(index, known));
             }
         }
         (generation, inherited)
@@ -125,8 +125,8 @@ impl Generation {
         self.first
     }
 
-    fn known(&self, index: usize) -> Option<&Known> {
-        self.settled.get(index)?.as_ref()
+    fn standing(&self, index: usize) -> Option<(Known, IndividualId)> {
+        Some((self.settled.get(index)?.clone()?, self.id(index)?))
     }
 
     /// Whether every individual is settled.

@@ -108,14 +108,15 @@ async fn add(
                 genotype::unpack(row.bytes, size, base).map_err(|problem| damaged(id, &problem))?
             }
         };
-        if row.digest != blake3::hash(&genotype).as_bytes() {
+        if row.digest != genotype::digest(&genotype) {
             return Err(damaged(id, "its genotype is not the one of its digest"));
         }
         let mut parents: Vec<(Place, String)> = Vec::new();
         while let Some((_, parent, role)) = links.next_if(|(child, ..)| *child == row.id) {
             parents.push((place(places, parent).ok_or_else(|| damaged(id, "a parent has no place"))?, role));
         }
-        let parents: Vec<(Place, &str)> = parents.iter().map(|(place, role)| (*place, role.as_str())).collect();
+        let parents: Vec<(Place, &str)> =
+            parents.iter().map(|(place, role)| (*place, role.as_str())).collect();
         hasher.row(&HashRow {
             run: generation.run,
             place: Place { stage: generation.stage, generation: generation.generation, index },

@@ -8,10 +8,10 @@ mod error;
 mod fault;
 mod file;
 mod genotype;
-mod id;
-mod outcome;
 mod hash;
+mod id;
 mod individual;
+mod outcome;
 mod pedigree;
 mod query;
 mod reader;
@@ -21,19 +21,19 @@ mod resume;
 mod sandbox;
 mod sql;
 mod summary;
-mod transaction;
-mod writer;
 #[cfg(test)]
 mod tests;
+mod transaction;
+mod writer;
 
 pub use entry::{
     Attempt, CloseGeneration, Culling, Ending, Evaluated, Event, Fate, Joined, NewExperiment, NewStage,
     OpenGeneration, Ruling, SetAside, State,
 };
 pub use error::{OpenError, QueryError, ReadError, WriteError};
-pub use id::{ExperimentId, IndividualId, StageId};
 pub use hash::ExperimentHash;
-pub use individual::{Link, Portrait};
+pub use id::{ExperimentId, IndividualId, StageId};
+pub use individual::{AttemptLine, Link, Portrait};
 pub use pedigree::Ancestor;
 pub use query::{Answer, Cell, Limits, VIEWS};
 pub use reader::Reader;
@@ -94,8 +94,11 @@ impl Lineage {
     /// # Errors
     /// See [`OpenError`]. A file of a newer schema, or no lineage at all, is left untouched.
     pub async fn open(path: &Path) -> Result<Lineage, OpenError> {
-        file::look(path)?;
+        let found = file::look(path)?;
         let lock = file::Lock::take(path)?;
+        if found == file::Found::Unmarked {
+            file::recognise(path).await?;
+        }
         let refused = |error: sqlx::Error| file::refused_by_sqlite(path, &error);
         let options = file::writing(path);
         let mut connection = options.connect().await.map_err(refused)?;

@@ -237,12 +237,14 @@ fn refuse(error: sqlx::Error, sandbox: &Sandbox, limits: Limits) -> QueryError {
 
 /// SQLite's refusal of a user's statement, as what the user can do about it.
 fn explain(code: i32, message: String, sandbox: &Sandbox, limits: Limits) -> QueryError {
+    // A forbidden function is an error like any other to SQLite, so the code alone does not tell.
+    if let Some(what) = sandbox.forbidden() {
+        return QueryError::Forbidden(format!("only reading is allowed, and this would {what}"));
+    }
     match code {
-        ffi::SQLITE_AUTH => QueryError::Forbidden(match sandbox.forbidden() {
-            Some(what) => format!("only reading is allowed, and this would {what}"),
-            None => message,
-        }),
-        ffi::SQLITE_READONLY => QueryError::Forbidden("only reading is allowed".to_owned()),
+        ffi::SQLITE_AUTH | ffi::SQLITE_READONLY => {
+            QueryError::Forbidden(format!("only reading is allowed: {message}"))
+        }
         ffi::SQLITE_INTERRUPT => {
             QueryError::TooMuch(format!("stopped after {} s: ask for less", limits.time.as_secs_f64()))
         }

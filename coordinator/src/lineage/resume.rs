@@ -1,6 +1,7 @@
 //! What a coordinator needs to take up where another one stopped: unfinished experiments, and where each
 //! stage goes on.
 
+use super::genotype::{DIGEST, digest};
 use super::outcome::{Columns, Known};
 use super::sql::sql;
 use super::{Culling, ExperimentId, IndividualId, ReadError, Reader, SetAside, StageId, State};
@@ -94,12 +95,18 @@ pub struct Standing {
     pub id: IndividualId,
     /// Its index in its generation.
     pub index: u32,
-    /// BLAKE3 of its genotype.
-    pub digest: [u8; 32],
+    /// What its genotype is known by: see [`Standing::has`].
+    digest: [u8; DIGEST],
     /// What became of it; `None` while pending.
     pub ending: Option<Result<Outcome, SetAside>>,
 }
 
+impl Standing {
+    /// Whether this is its genotype.
+    pub fn has(&self, genotype: &[u8]) -> bool {
+        digest(genotype) == self.digest
+    }
+}
 
 #[derive(sqlx::FromRow)]
 struct ExperimentRow {
@@ -213,8 +220,10 @@ impl Reader {
     /// Where a stage goes on; `None` when it has no generation yet, or has ended.
     pub async fn resume_point(&self, stage: StageId) -> Result<Option<ResumePoint>, ReadError> {
         let mut transaction = self.pool().begin().await?; // one state of the file
-        let open: Option<OpenGenerationRow> =
-            sqlx::query_as(sql!("open_generation")).bind(stage.sql()).fetch_optional(&mut *transaction).await?;
+        let open: Option<OpenGenerationRow> = sqlx::query_as(sql!("open_generation"))
+            .bind(stage.sql())
+            .fetch_optional(&mut *transaction)
+            .await?;
         let Some(open) = open else { return Ok(None) };
         if open.checkpoint_generation != open.number {
             return Err(ReadError::Corrupt {
@@ -281,7 +290,8 @@ async fn standings(
         let id = IndividualId::of(row.id);
         let damaged = |problem| ReadError::Corrupt { problem: format!("individual {id}: {problem}") };
         let ending: Known = row.outcome.read().map_err(damaged)?;
-        let digest = row.digest.try_into().map_err(|_| damaged("its digest is not 32 bytes long".to_owned()))?;
+        let digest =
+            row.digest.try_into().map_err(|_| damaged("its digest is of another length".to_owned()))?;
         Ok(Standing { id, index, digest, ending })
     };
     (0..).zip(rows).map(standing).collect()

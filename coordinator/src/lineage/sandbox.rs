@@ -14,14 +14,14 @@ const SQL_MAX: usize = 64 << 10;
 
 /// Limits of a connection for users, and why.
 const LIMITS: [(c_int, c_int); 8] = [
-    (ffi::SQLITE_LIMIT_ATTACHED, 0),        // no other file
-    (ffi::SQLITE_LIMIT_LENGTH, 4 << 20),    // of one value or row, bytes: genotypes have 1 MiB at most
+    (ffi::SQLITE_LIMIT_ATTACHED, 0),     // no other file
+    (ffi::SQLITE_LIMIT_LENGTH, 4 << 20), // of one value or row, bytes: genotypes have 1 MiB at most
     (ffi::SQLITE_LIMIT_SQL_LENGTH, SQL_MAX as c_int),
-    (ffi::SQLITE_LIMIT_COLUMN, 100),        // a row is held whole
-    (ffi::SQLITE_LIMIT_EXPR_DEPTH, 200),    // the C stack
+    (ffi::SQLITE_LIMIT_COLUMN, 100),     // a row is held whole
+    (ffi::SQLITE_LIMIT_EXPR_DEPTH, 200), // the C stack
     (ffi::SQLITE_LIMIT_COMPOUND_SELECT, 50),
     (ffi::SQLITE_LIMIT_LIKE_PATTERN_LENGTH, 1000), // matching is quadratic
-    (ffi::SQLITE_LIMIT_WORKER_THREADS, 0),  // a question has one core at most
+    (ffi::SQLITE_LIMIT_WORKER_THREADS, 0),         // a question has one core at most
 ];
 
 /// Instructions of SQLite's machine between two looks at the clock: about a millisecond.

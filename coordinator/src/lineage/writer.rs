@@ -48,8 +48,9 @@ pub(super) enum Entry {
     Flush,
     /// The last one: what is queued before the channel closes is still written, and nothing after.
     Close,
+    /// A disk without room for another page, for so many attempts.
     #[cfg(test)]
-    LimitPages(u32),
+    FullFor(std::sync::atomic::AtomicU32),
 }
 
 impl Entry {
@@ -72,7 +73,7 @@ impl Entry {
             Entry::Flush => "flush".to_owned(),
             Entry::Close => "close".to_owned(),
             #[cfg(test)]
-            Entry::LimitPages(_) => "limit pages".to_owned(),
+            Entry::FullFor(_) => "be full".to_owned(),
         }
     }
 }
@@ -112,8 +113,8 @@ impl Writer {
         }
         let _ = self.end.set("closed".to_owned());
         self.wal.stop().await;
-        // A damaged file or a full disk may refuse; the next one to open it tidies up.
-        let _ = self.connection.execute("PRAGMA optimize").await;
+        // A damaged file or a full disk may refuse; the next one to open it tidies up. No statistics are left
+        // for the planner: with them it builds Bloom filters of whole tables for the steps of a pedigree.
         let _ = self.connection.execute("PRAGMA wal_checkpoint(TRUNCATE)").await;
         let _ = self.connection.close().await;
         drop(self.lock);
@@ -279,7 +280,10 @@ async fn apply(
         Entry::Left(name, reason) => transaction.worker_left(name, reason).await?,
         Entry::Flush | Entry::Close => {}
         #[cfg(test)]
-        Entry::LimitPages(pages) => {
+        Entry::FullFor(attempts) => {
+            use std::sync::atomic::Ordering::Relaxed;
+            let full = attempts.fetch_update(Relaxed, Relaxed, |left| left.checked_sub(1)).is_ok();
+            let pages = if full { 1 } else { u32::MAX - 1 }; // SQLite takes no less than there are
             let pragma = sqlx::AssertSqlSafe(format!("PRAGMA max_page_count = {pages}"));
             transaction.connection.execute(sqlx::raw_sql(pragma)).await?;
         }

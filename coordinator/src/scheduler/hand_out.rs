@@ -47,8 +47,12 @@ impl Scheduler {
                 _ if is_paused => None,
                 Some(worker) => Some(worker),
                 None => {
-                    let takers = self.workers.values().filter(|w| !w.draining && w.reserved.is_none());
-                    takers.min_by_key(|w| (entry.has_struck(&w.name), w.load(), w.id)).map(|w| w.id)
+                    // Somebody else than before as long as there is one: it may be the worker that is sick.
+                    let takers = || self.workers.values().filter(|worker| !worker.draining);
+                    let others = takers().any(|worker| !entry.has_struck(&worker.name));
+                    let free = takers().filter(|worker| worker.reserved.is_none());
+                    let fit = free.filter(|worker| !(others && entry.has_struck(&worker.name)));
+                    fit.min_by_key(|worker| (worker.load(), worker.id)).map(|worker| worker.id)
                 }
             };
             if let Some(released) = reserved.filter(|_| worker.is_none()) {
@@ -71,7 +75,7 @@ impl Scheduler {
     /// Hands the longest outstanding evaluations to idle slots as well. One that waits behind others has only
     /// to have waited for a moment; one that runs must have run for longer than most of its queue.
     fn duplicate_stragglers(&mut self, now: Millis) {
-        if !self.free.first().is_some_and(|&(load, _)| load < Load::BUSY) {
+        if self.free.first().is_none_or(|&(load, _)| load >= Load::BUSY) {
             return;
         }
         let mut stragglers = Vec::new();

@@ -453,4 +453,6 @@ impl Scheduler {
 #[cfg(test)]
 mod properties;
 #[cfg(test)]
+mod rig;
+#[cfg(test)]
 mod tests;

@@ -34,7 +34,8 @@ impl ExperimentsService {
 
     /// As a tonic server.
     pub fn into_server(self) -> v1::experiments_server::ExperimentsServer<Self> {
-        v1::experiments_server::ExperimentsServer::new(self).max_decoding_message_size(proto::MESSAGE_SIZE_MAX)
+        v1::experiments_server::ExperimentsServer::new(self)
+            .max_decoding_message_size(proto::MESSAGE_SIZE_MAX)
     }
 
     async fn find(&self, reference: &str) -> Result<Vec<ExperimentId>, Status> {
@@ -43,13 +44,15 @@ impl ExperimentsService {
 
     async fn render(&self, id: ExperimentId) -> Result<v1::Experiment, Status> {
         let rendered = self.render_all(Some(&[id])).await?;
-        rendered.into_iter().next().ok_or_else(|| Status::not_found(format!("experiment {id} is not in this lineage")))
+        rendered
+            .into_iter()
+            .next()
+            .ok_or_else(|| Status::not_found(format!("experiment {id} is not in this lineage")))
     }
 
     /// Experiments as the lineage has them, with what only the driver knows.
     async fn render_all(&self, ids: Option<&[ExperimentId]>) -> Result<Vec<v1::Experiment>, Status> {
-        let summaries =
-            self.driver.lineage().reader().summaries(ids).await.map_err(status)?;
+        let summaries = self.driver.lineage().reader().summaries(ids).await.map_err(status)?;
         Ok(summaries
             .into_iter()
             .map(|summary| {
@@ -117,7 +120,7 @@ impl ExperimentsService {
 
     fn progress(&self, id: ExperimentId) -> Option<v1::Progress> {
         let counts = self.driver.progress(id)?.counts();
-        let fleet = self.driver.fleet().summary().borrow().clone();
+        let fleet = *self.driver.fleet().summary().borrow();
         Some(v1::Progress {
             evaluated: counts.evaluated,
             planned: counts.planned.unwrap_or(0),
@@ -164,10 +167,7 @@ async fn send(
 
 #[tonic::async_trait]
 impl v1::experiments_server::Experiments for ExperimentsService {
-    async fn submit(
-        &self,
-        request: Request<v1::SubmitRequest>,
-    ) -> Result<Response<v1::SubmitReply>, Status> {
+    async fn submit(&self, request: Request<v1::SubmitRequest>) -> Result<Response<v1::SubmitReply>, Status> {
         let request = request.into_inner();
         let mut set = Vec::with_capacity(request.set.len());
         for assignment in &request.set {
@@ -177,13 +177,9 @@ impl v1::experiments_server::Experiments for ExperimentsService {
             set.push((key.trim().to_owned(), value.trim().to_owned()));
         }
         let profile = Some(request.profile).filter(|profile| !profile.is_empty());
-        let submission = Submission {
-            text: request.text,
-            overrides: Overrides { profile, set },
-            resume: request.resume,
-        };
-        let (ids, resumed) =
-            self.driver.submit(submission).await.map_err(submit_status)?;
+        let submission =
+            Submission { text: request.text, overrides: Overrides { profile, set }, resume: request.resume };
+        let (ids, resumed) = self.driver.submit(submission).await.map_err(submit_status)?;
         let experiments = self.render_all(Some(&ids)).await?;
         Ok(Response::new(v1::SubmitReply { experiments, resumed }))
     }
@@ -193,29 +189,18 @@ impl v1::experiments_server::Experiments for ExperimentsService {
     }
 
     async fn get(&self, request: Request<v1::GetRequest>) -> Result<Response<v1::Experiment>, Status> {
-        let reference = request.into_inner().experiment;
-        let ids = self.find(&reference).await?;
-        let [id] = ids[..] else {
-            return Err(Status::invalid_argument(format!(
-                "`{reference}` names {} experiments: name one by its number",
-                ids.len()
-            )));
-        };
+        let reader = self.driver.lineage().reader();
+        let id = reader.find_one(&request.into_inner().experiment).await.map_err(status)?;
         let mut rendered = self.render(id).await?;
-        let stored =
-            self.driver.lineage().reader().experiment(id).await.map_err(status)?;
+        let stored = reader.experiment(id).await.map_err(status)?;
         rendered.resolved = stored.resolved;
         Ok(Response::new(rendered))
     }
 
     type WatchStream = Pin<Box<dyn Stream<Item = Result<v1::WatchEvent, Status>> + Send>>;
 
-    async fn watch(
-        &self,
-        request: Request<v1::WatchRequest>,
-    ) -> Result<Response<Self::WatchStream>, Status> {
-        let ids: BTreeSet<_> =
-            self.find(&request.into_inner().experiment).await?.into_iter().collect();
+    async fn watch(&self, request: Request<v1::WatchRequest>) -> Result<Response<Self::WatchStream>, Status> {
+        let ids: BTreeSet<_> = self.find(&request.into_inner().experiment).await?.into_iter().collect();
         let (events, stream) = mpsc::channel(64);
         let service = self.clone();
         tokio::spawn(async move {
@@ -225,10 +210,7 @@ impl v1::experiments_server::Experiments for ExperimentsService {
         Ok(Response::new(Box::pin(ReceiverStream::new(stream))))
     }
 
-    async fn pause(
-        &self,
-        request: Request<v1::ControlRequest>,
-    ) -> Result<Response<v1::ListReply>, Status> {
+    async fn pause(&self, request: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
         let ids = self.find(&request.into_inner().experiment).await?;
         for &id in &ids {
             self.driver.pause(id).await.map_err(control_status)?;
@@ -236,10 +218,7 @@ impl v1::experiments_server::Experiments for ExperimentsService {
         self.reply(&ids).await
     }
 
-    async fn resume(
-        &self,
-        request: Request<v1::ControlRequest>,
-    ) -> Result<Response<v1::ListReply>, Status> {
+    async fn resume(&self, request: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
         let ids = self.find(&request.into_inner().experiment).await?;
         for &id in &ids {
             self.driver.resume(id).await.map_err(control_status)?;
@@ -247,10 +226,7 @@ impl v1::experiments_server::Experiments for ExperimentsService {
         self.reply(&ids).await
     }
 
-    async fn cancel(
-        &self,
-        request: Request<v1::ControlRequest>,
-    ) -> Result<Response<v1::ListReply>, Status> {
+    async fn cancel(&self, request: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
         let ids = self.find(&request.into_inner().experiment).await?;
         for &id in &ids {
             self.driver.cancel(id).await.map_err(control_status)?;
@@ -259,7 +235,8 @@ impl v1::experiments_server::Experiments for ExperimentsService {
     }
 }
 
-fn render_summary(summary: Summary) -> v1::Experiment {
+/// An experiment as the lineage has it, for the wire; without its resolved file.
+pub fn render_summary(summary: Summary) -> v1::Experiment {
     v1::Experiment {
         id: summary.id.0,
         name: summary.name,
@@ -378,4 +355,3 @@ fn write_status(error: WriteError) -> Status {
         WriteError::Contradiction { .. } => Status::internal(error.to_string()),
     }
 }
-

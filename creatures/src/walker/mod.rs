@@ -47,6 +47,11 @@ impl System for Walker {
         Ok(Box::new(read_spec::<WalkerTask>(value)?.checked()?))
     }
 
+    /// Eq. 6 so far (G-61).
+    fn interim_measure(&self) -> &'static str {
+        "dis"
+    }
+
     /// Each body under each controller for a second and a half, so that every kind of joint and motor, the
     /// ground and both networks take part.
     fn proofs(&self) -> Vec<Proof> {

@@ -9,6 +9,9 @@ use std::collections::BTreeMap;
 /// The most cells of one file.
 const CELLS_MAX: usize = 1000;
 
+/// Keys that the cells have in common.
+const OF_THE_WHOLE: [&str; 6] = ["name", "group", "cell", "matrix", "profile", "published"];
+
 /// One choice of a value for every key of the matrix.
 #[derive(Debug)]
 pub(super) struct Cell {
@@ -21,10 +24,10 @@ pub(super) struct Cell {
 
 impl Cell {
     /// Puts the cell's values into an experiment.
-    pub(super) fn apply(&self, tree: &mut Node) -> Result<(), Problem> {
+    pub(super) fn apply(&self, tree: &mut Node, text: &str) -> Result<(), Problem> {
         for (key, value) in &self.choices {
             let keys: Vec<String> = key.split('.').map(str::to_owned).collect();
-            tree.set(&keys, value.clone())?;
+            tree.set(&keys, value.clone()).map_err(|problem| problem.at(text, value.span.clone()))?;
         }
         Ok(())
     }
@@ -40,6 +43,9 @@ pub(super) fn cells(matrix: &Node, text: &str) -> Result<Vec<Cell>, Vec<Problem>
     };
     let mut axes: Vec<(&String, &Node, &[Node])> = Vec::new();
     for (key, node) in table {
+        if OF_THE_WHOLE.contains(&key.split('.').next().unwrap_or_default()) {
+            return Err(refuse(node, key, format!("`{key}` is of the whole file, not of a cell")));
+        }
         match &node.content {
             Content::List(list) if !list.is_empty() => axes.push((key, node, list)),
             Content::Table(_) => {

@@ -38,7 +38,7 @@ pub struct Experiment {
     pub seed: u64,
     /// Independent repetitions.
     pub runs: u32,
-    /// Share of evaluations that are run twice and compared. Always 0: audits are not implemented.
+    /// Share of evaluations that are run twice and compared: 0, the only value that this release takes.
     pub audit: f64,
     task: Value,
     kind: &'static registry::Kind,

@@ -67,6 +67,9 @@ pub(super) fn assign(tree: &mut Node, key: &str, value: &str) -> Result<(), Prob
     let keys = dotted(key).ok_or_else(|| {
         Problem::new(key, "is no dotted key").help("write key=value, as in search.generations=5")
     })?;
+    if keys[0] == "profile" {
+        return Err(Problem::new(key, "profiles are chosen, not set"));
+    }
     tree.set(&keys, Node::parse_value(key, value)?)
 }
 

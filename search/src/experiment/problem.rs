@@ -77,7 +77,11 @@ impl Problem {
                 return Problem::new(key, format!("expected {}, found {found}", plain(expected)));
             }
         }
-        Problem::new(key, said)
+        // A reader's own words: what is wrong, then what is allowed.
+        match said.split_once("; ") {
+            Some((message, help)) => Problem::new(key, message).help(help),
+            None => Problem::new(key, said),
+        }
     }
 }
 
@@ -102,7 +106,8 @@ fn unknown(key: String, what: &str, rest: &str) -> Problem {
 pub(super) fn nearest<'a>(found: &str, allowed: &[&'a str]) -> Option<&'a str> {
     let distance = |word: &str| strsim::damerau_levenshtein(&found.to_lowercase(), word);
     let nearest = allowed.iter().copied().min_by_key(|word| distance(word))?;
-    (distance(nearest) <= 1 + found.chars().count() / 4).then_some(nearest)
+    let length = found.chars().count();
+    (distance(nearest) <= 1 + length / 4 && distance(nearest) < length).then_some(nearest)
 }
 
 /// Two parts of a dotted key.

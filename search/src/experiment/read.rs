@@ -6,6 +6,7 @@ use super::tree::{Content, Node};
 use super::{Experiment, Overrides, Published, matrix, overrides};
 use crate::culling::Culling;
 use crate::registry;
+use crate::settings::check;
 use creatures::{SpecError, System, read_spec};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -57,6 +58,23 @@ fn first_seed() -> u64 {
 
 impl Top {
     fn check(self) -> Result<Top, SpecError> {
+        if self.seed > SEED_MAX - u64::from(RUNS_MAX) {
+            return Err(SpecError::new(
+                "seed",
+                format!("{} leaves no room for the seeds of runs", self.seed),
+            ));
+        }
+        if let Some(runs) = self.runs {
+            check("runs", runs, 1..=RUNS_MAX)?;
+        }
+        if !(0.0..=1.0).contains(&self.audit) {
+            return Err(SpecError::new("audit", format!("{} is not within [0, 1]", self.audit)));
+        }
+        if self.audit != 0.0 {
+            let problem = "audits come with a later release; only 0 is taken in this one";
+            return Err(SpecError::new("audit", problem));
+        }
+        // Last: a file whose name is left out cannot be read on.
         let names = [("name", Some(&self.name)), ("group", self.group.as_ref())];
         for (key, name) in names.into_iter().filter_map(|(key, name)| Some((key, name?))) {
             let letters = |letter: char| letter.is_ascii_alphanumeric() || "-_./".contains(letter);
@@ -71,22 +89,6 @@ impl Top {
                 );
                 return Err(SpecError::new(key, problem));
             }
-        }
-        if self.seed > SEED_MAX - u64::from(RUNS_MAX) {
-            return Err(SpecError::new(
-                "seed",
-                format!("{} leaves no room for the seeds of runs", self.seed),
-            ));
-        }
-        if !self.runs.is_none_or(|runs| (1..=RUNS_MAX).contains(&runs)) {
-            return Err(SpecError::new("runs", format!("is not within 1 to {RUNS_MAX}")));
-        }
-        if !(0.0..=1.0).contains(&self.audit) {
-            return Err(SpecError::new("audit", format!("{} is not within [0, 1]", self.audit)));
-        }
-        if self.audit != 0.0 {
-            let problem = "audits come with a later release; only 0 is taken in this one";
-            return Err(SpecError::new("audit", problem));
         }
         Ok(self)
     }
@@ -136,7 +138,7 @@ impl Reading<'_> {
         profile: Option<String>,
     ) -> Option<Experiment> {
         let mut tree = tree.clone();
-        cell.apply(&mut tree).map_err(|problem| self.problems.push(problem)).ok()?;
+        cell.apply(&mut tree, self.text).map_err(|problem| self.problems.push(problem)).ok()?;
         drop_settings_of_other_cells(&mut tree, cell, all);
         let experiment = self.experiment(tree, profile)?;
         let group = experiment.name;
@@ -150,14 +152,16 @@ impl Reading<'_> {
     /// Reads a tree without matrix and profiles; none if that leaves problems.
     fn experiment(&mut self, tree: Node, profile: Option<String>) -> Option<Experiment> {
         let before = self.problems.len();
+        let part = |key: &str| tree.table().and_then(|table| table.get(key)).cloned();
         let mut top_tree = tree.clone();
         let top = self.table("", &mut top_tree, |table| read_spec::<Top>(table)?.check());
         let name = top.as_ref().map(|top| top.system.as_str());
+        if name.is_none() && part("system").is_none() {
+            self.help_with_system();
+        }
         let system = name.or_else(|| string(&tree, "system")).and_then(|name| self.system(&tree, name));
-        let empty = Node::empty;
-        let part = |key: &str| tree.table().and_then(|table| table.get(key)).cloned();
 
-        let mut task_tree = part("task").unwrap_or_else(empty);
+        let mut task_tree = part("task").unwrap_or_else(Node::empty);
         let task = system.and_then(|system| self.table("task", &mut task_tree, |task| system.resolve(task)));
         let culling = part("culling").and_then(|mut table| {
             self.table("culling", &mut table, |table| {
@@ -165,7 +169,7 @@ impl Reading<'_> {
                 culling.check().map(|()| culling)
             })
         });
-        let search = part("search").unwrap_or_else(empty);
+        let search = part("search").unwrap_or_else(Node::empty);
         let kind = system.and_then(|system| {
             let kind = registry::kind(&search.value(), system.name());
             kind.map_err(|error| self.refuse("search", &search, &error)).ok()
@@ -201,12 +205,19 @@ impl Reading<'_> {
     fn system(&mut self, tree: &Node, name: &str) -> Option<&'static dyn System> {
         let system = creatures::system(name);
         if system.is_none() {
-            let known: Vec<String> =
-                creatures::systems().iter().map(|system| format!("`{}`", system.name())).collect();
-            let problem = format!("unknown variant `{name}`, expected one of {}", known.join(", "));
+            let known = creatures::systems().map(|system| format!("`{}`", system.name())).join(", ");
+            let problem = format!("unknown variant `{name}`, expected one of {known}");
             self.refuse("", tree, &SpecError::new("system", problem));
         }
         system
+    }
+
+    fn help_with_system(&mut self) {
+        let missing = self.problems.iter_mut().find(|problem| problem.key == "system");
+        if let Some(problem) = missing {
+            let known = creatures::systems().map(System::name).join(", ");
+            problem.help = Some(format!("it is one of {known}"));
+        }
     }
 
     /// Reads a table into its type. A key that is wrong is noted and left out, and the rest is read on; a
@@ -224,7 +235,7 @@ impl Reading<'_> {
                 Err(error) => error,
             };
             // What is missing now may be what was left out before.
-            let missing = error.problem.starts_with("missing field");
+            let missing = is_missing(&error);
             if !missing || self.problems.len() == before {
                 self.refuse(prefix, tree, &error);
                 if missing {
@@ -237,13 +248,15 @@ impl Reading<'_> {
         }
     }
 
-    /// Notes a table's error at its place in the text. Without one it is the table's own, or, where the
-    /// table is not written either, the file's beginning; a key from outside has no place.
+    /// Notes a table's error at its place in the text: an unknown key points at the key, all else at the
+    /// value. What is missing from a table that is not written either points at the file's beginning; a key
+    /// from outside has no place.
     fn refuse(&mut self, prefix: &str, tree: &Node, error: &SpecError) {
-        let written = |node: &Node| node.span.is_some() || matches!(node.content, Content::Scalar(_));
-        let span = match tree.span_of(&error.path) {
-            None if !written(tree) && error.problem.contains("missing") => Some(0..0),
-            span => span,
+        let found = tree.find(&error.path);
+        let span = match (&found.span, &found.key) {
+            (Some(_), Some(key)) if error.problem.starts_with("unknown field") => Some(key.clone()),
+            (None, _) if is_missing(error) => Some(0..0),
+            (span, _) => span.clone(),
         };
         self.problems.push(Problem::of_table(prefix, error).at(self.text, span));
     }
@@ -259,6 +272,11 @@ impl Reading<'_> {
             problem.help = allowed.help;
         }
     }
+}
+
+/// Whether a table lacks a key, in serde's words or in a reader's own.
+fn is_missing(error: &SpecError) -> bool {
+    error.problem.starts_with("missing field") || error.problem.starts_with("is missing")
 }
 
 fn string<'a>(tree: &'a Node, key: &str) -> Option<&'a str> {

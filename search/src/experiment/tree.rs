@@ -14,6 +14,8 @@ const SIZE_MAX: usize = 1 << 20;
 #[derive(Debug, Clone)]
 pub(super) struct Node {
     pub(super) span: Option<Range<usize>>,
+    /// Where the key of a table's value stands.
+    pub(super) key: Option<Range<usize>>,
     pub(super) content: Content,
 }
 
@@ -29,7 +31,7 @@ pub(super) type Table = BTreeMap<String, Node>;
 impl Node {
     /// An empty table that stands nowhere.
     pub(super) fn empty() -> Node {
-        Node { span: None, content: Content::Table(Table::new()) }
+        Node { span: None, key: None, content: Content::Table(Table::new()) }
     }
 
     /// Reads a whole file.
@@ -50,7 +52,7 @@ impl Node {
     /// Reads one value of an override; what is no TOML is a string.
     pub(super) fn parse_value(key: &str, text: &str) -> Result<Node, Problem> {
         let Ok(value) = DeValue::parse(text) else {
-            return Ok(Node { span: None, content: Content::Scalar(text.into()) });
+            return Ok(Node { span: None, key: None, content: Content::Scalar(text.into()) });
         };
         let mut problems = Vec::new();
         let mut node = value_node(value.get_ref(), None, key, text, &mut problems);
@@ -84,11 +86,11 @@ impl Node {
         }
     }
 
-    /// The place of a path such as `world.friction_limb` or `beta[1]`, or of as much of it as there is.
-    pub(super) fn span_of(&self, path: &str) -> Option<Range<usize>> {
-        match self.step(path) {
-            Some((key, rest)) => self.child(key).and_then(|child| child.span_of(rest)),
-            None => self.span.clone(),
+    /// What stands at a path such as `world.friction_limb` or `beta[1]`, or at as much of it as there is.
+    pub(super) fn find(&self, path: &str) -> &Node {
+        match self.step(path).and_then(|(key, rest)| Some((self.child(key)?, rest))) {
+            Some((child, rest)) => child.find(rest),
+            None => self,
         }
     }
 
@@ -135,7 +137,7 @@ impl Node {
             }
             (under, over_content) => {
                 *under = over_content;
-                self.span = over.span;
+                (self.span, self.key) = (over.span, over.key);
             }
         }
     }
@@ -171,7 +173,7 @@ impl Node {
     }
 
     fn forget_spans(&mut self) {
-        self.span = None;
+        (self.span, self.key) = (None, None);
         match &mut self.content {
             Content::Table(table) => table.values_mut().for_each(Node::forget_spans),
             Content::List(list) => list.iter_mut().for_each(Node::forget_spans),
@@ -192,22 +194,20 @@ fn table_node(
     text: &str,
     problems: &mut Vec<Problem>,
 ) -> Node {
-    let node = |key: &str, child: &toml::Spanned<DeValue<'_>>, key_span: Range<usize>, problems: &mut _| {
-        // A table is pointed at by its key: the span of its value may be all that stands in it.
-        let span = match child.get_ref() {
-            DeValue::Table(_) => key_span,
-            _ => child.span(),
-        };
-        value_node(child.get_ref(), Some(span), &join(path, key), text, problems)
-    };
     let content = table
         .iter()
         .map(|(key, child)| {
+            // A table is pointed at by its key: the span of its value may be all that stands in it.
+            let span = match child.get_ref() {
+                DeValue::Table(_) => key.span(),
+                _ => child.span(),
+            };
             let name = key.get_ref().as_ref();
-            (name.to_owned(), node(name, child, key.span(), problems))
+            let node = value_node(child.get_ref(), Some(span), &join(path, name), text, problems);
+            (name.to_owned(), Node { key: Some(key.span()), ..node })
         })
         .collect();
-    Node { span, content: Content::Table(content) }
+    Node { span, key: None, content: Content::Table(content) }
 }
 
 fn value_node(
@@ -228,7 +228,7 @@ fn value_node(
                     value_node(item.get_ref(), Some(item.span()), &path, text, problems)
                 })
                 .collect();
-            return Node { span, content: Content::List(items) };
+            return Node { span, key: None, content: Content::List(items) };
         }
         DeValue::String(string) => Ok(Value::from(string.as_ref())),
         DeValue::Boolean(boolean) => Ok(Value::from(*boolean)),
@@ -248,7 +248,7 @@ fn value_node(
         problems.push(Problem::new(path, message).at(text, span.clone()));
         Value::Null
     });
-    Node { span, content: Content::Scalar(scalar) }
+    Node { span, key: None, content: Content::Scalar(scalar) }
 }
 
 #[cfg(test)]
@@ -259,11 +259,12 @@ mod tests {
     fn values_remember_where_they_stand() {
         let text = "a = 1\n[b]\nc = [0.5, \"x\"]\n\"d.e\" = true\n";
         let tree = Node::parse(text).unwrap();
-        let at = |path| tree.span_of(path).map(|span| &text[span]);
+        let at = |path| tree.find(path).span.clone().map(|span| &text[span]);
         assert_eq!(at("a"), Some("1"));
         assert_eq!(at("b.c[1]"), Some("\"x\""));
         assert_eq!(at("b.d.e"), Some("true"));
         assert_eq!(at("b"), Some("b"));
+        assert_eq!(tree.find("b.c").key.clone().map(|span| &text[span]), Some("c"));
         assert_eq!(at("b.nothing"), Some("b"), "as much of the path as there is");
         assert_eq!(tree.value(), serde_json::json!({"a": 1, "b": {"c": [0.5, "x"], "d.e": true}}));
     }

@@ -28,14 +28,15 @@ fn run(
     phenotype
 }
 
-/// T-19's commands, at time `t`, s. The arm's are of the same form with other numbers: those that carried
-/// an arm with soft joints make one with exact joints rear up on its hands and fall on its back.
+/// T-19's commands, at time `t`, s. The arm's have other numbers: T-19's own count on joints that give
+/// way under load; exact joints hold, and that arm rears up on its hands and falls on its back.
 fn open_loop(body: BodyKind, t: f64) -> Vec<f64> {
     match body {
         BodyKind::Crawler => vec![1.0, 1.0],
         BodyKind::Arm => {
-            let arm = |a: f64| [0.92 - 0.07 * sin(a), -0.72 * sin(a + 1.65), 0.58 * sin(a + 2.69)];
-            let a = TAU * 0.52 * t;
+            let arm =
+                |a: f64| [0.93 + 0.33 * sin(a), 0.11 + 0.15 * sin(a + 5.5), -0.22 + 0.15 * sin(a + 0.75)];
+            let a = TAU * 2.59 * t;
             [arm(a), arm(a + PI)].concat()
         }
         BodyKind::Hopper => {

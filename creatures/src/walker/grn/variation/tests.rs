@@ -49,7 +49,7 @@ fn a_parent_crossed_with_itself_gives_a_copy() {
 fn mutations_do_what_they_say_at_their_shares() {
     let parent = with_regulatory(BodyKind::Hopper, 10, 0);
     let settings = Settings::default();
-    let mut counts = std::collections::BTreeMap::new();
+    let mut counts: std::collections::BTreeMap<_, i32> = std::collections::BTreeMap::new();
     for place in 0..10_000 {
         let mut child = parent.clone();
         let operator = child.mutate(&settings, &mut stream(4, [0, 0, place], "variation test"));

@@ -169,7 +169,7 @@ fn a_register_survives_its_checkpoint() {
 fn mutations_do_what_they_say_at_their_shares() {
     let mut start = stream(6, [0, 0, 0], "variation test");
     let parent = Genotype::random(BodyKind::Hopper, &Settings::default(), &mut start);
-    let mut counts = BTreeMap::new();
+    let mut counts: BTreeMap<_, i32> = BTreeMap::new();
     for place in 0..10_000 {
         let (mut child, mut register) = (parent.clone(), Register::new(BodyKind::Hopper));
         let mut stream = stream(7, [0, 0, place], "variation test");

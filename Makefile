@@ -1,0 +1,46 @@
+# The habits of this house. `make` alone lists them.
+
+.DEFAULT_GOAL := help
+.PHONY: help format lint test doc run bench peers golden ci
+
+PEERS := target/peers
+
+help: ## List these targets
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+format: ## Rewrite the sources in the house's format
+	cargo fmt --all
+
+lint: ## Check format and lints, warnings being errors
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets -- -D warnings
+
+test: ## Run every test
+	cargo test --workspace
+
+doc: ## Build the documentation of the code, broken links being errors
+	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
+
+run: ## Evolve the quick start: crawlers under gene regulatory networks
+	cargo run --release -- run experiments/quickstart.toml
+
+bench: ## Measure engine, evaluation, dispatch and lineage, each against its peer in one run
+	cargo build --release --bins
+	cargo build --release --bins -p coordinator -p worker -p hatchery-benches
+	for bench in engine evaluation dispatch lineage; do target/release/$$bench || exit 1; done
+
+peers: $(PEERS)/installed ## Measure MuJoCo, a Python process pool and Ray under the same loads
+	$(PEERS)/bin/python benches/peers/mujoco_walkers.py
+	$(PEERS)/bin/python benches/peers/pool.py
+	$(PEERS)/bin/python benches/peers/ray_tasks.py
+
+$(PEERS)/installed: benches/peers/requirements.txt
+	python3 -m venv $(PEERS)
+	$(PEERS)/bin/pip install --quiet --requirement $<
+	touch $@
+
+golden: ## Write the golden lineage hashes anew, after a change that is meant to move them
+	UPDATE_GOLDEN=1 cargo test -p hatchery-tests --test golden
+
+ci: ## Run what must hold before a change lands
+	.ci/run

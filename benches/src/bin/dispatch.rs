@@ -1,0 +1,99 @@
+//! Evaluations a second through everything (search, coordinator, socket, worker, lineage), from submission to
+//! the last committed row, with a real coordinator and real workers. Its peers, a Python process pool and Ray,
+//! are in `benches/peers/`; they store nothing.
+
+use std::time::Instant;
+
+use creatures::{System, probe};
+use hatchery_benches::processes::processor_seconds;
+use hatchery_benches::report::Report;
+use hatchery_tests::Hatchery;
+use serde_json::{Value, json};
+
+const PAYLOAD_BYTES: u32 = 2048;
+const REPEATS: usize = 3;
+
+fn main() {
+    let unit = seconds_of_work(100_000) / 100_000.0;
+    let columns = [
+        "work_ms",
+        "workers",
+        "evaluations",
+        "per_second",
+        "efficiency",
+        "coordinator_us",
+        "workers_us",
+        "speedup",
+    ];
+    let mut report = Report::new("dispatch", &columns);
+    let mut measure =
+        |work_ms: f64, workers: usize, population: u32, generations: u32, alone: Option<f64>| {
+            let work = (work_ms / 1000.0 / unit).round() as u32;
+            let runs = (0..REPEATS).map(|_| run(work, workers, population, generations));
+            let best = runs.min_by(|a, b| a.seconds.total_cmp(&b.seconds)).expect("repeated at least once");
+            let count = f64::from(population * generations);
+            let rate = count / best.seconds;
+            let efficiency =
+                if work > 0 { json!(rate * f64::from(work) * unit / workers as f64) } else { Value::Null };
+            let speedup = alone.map_or(Value::Null, |alone| json!(rate / alone));
+            report.row(&[
+                json!(work_ms),
+                json!(workers),
+                json!(count as u64),
+                json!(rate),
+                efficiency,
+                json!(best.coordinator / count * 1e6),
+                json!(best.workers / count * 1e6),
+                speedup,
+            ]);
+            rate
+        };
+    measure(0.0, 2, 20_000, 10, None);
+    measure(1.0, 2, 1000, 4, None);
+    measure(10.0, 2, 200, 4, None);
+    let alone = measure(5.0, 1, 200, 4, None);
+    measure(5.0, 2, 200, 4, Some(alone));
+}
+
+/// What one run took, seconds.
+struct Taken {
+    seconds: f64,
+    /// Of the processor.
+    coordinator: f64,
+    /// Of the processor, all workers together.
+    workers: f64,
+}
+
+fn run(work: u32, workers: usize, population: u32, generations: u32) -> Taken {
+    let mut hatchery = Hatchery::with_workers(workers);
+    hatchery.wait_attached(workers);
+    let names: Vec<String> = (1..=workers).map(|number| format!("w{number}")).collect();
+    let used = |hatchery: &mut Hatchery| {
+        let workers = names.iter().map(|name| processor_seconds(hatchery.worker(name).id())).sum::<f64>();
+        (processor_seconds(hatchery.coordinator().id()), workers)
+    };
+    let text = format!(
+        "name = 'dispatch'\nsystem = 'probe'\nseed = 1\n[task]\nwork = {work}\n[search]\nkind = 'probe'\n\
+         population = {population}\ngenerations = {generations}\npayload = {PAYLOAD_BYTES}\n"
+    );
+    let before = used(&mut hatchery);
+    let start = Instant::now();
+    let id = hatchery.submit(&text);
+    hatchery.client().wait(id);
+    let seconds = start.elapsed().as_secs_f64();
+    let after = used(&mut hatchery);
+    let committed = hatchery.client().count("SELECT count(*) FROM v_individuals WHERE status = 'completed'");
+    assert_eq!(committed, i64::from(population * generations), "every outcome is a committed row");
+    Taken { seconds, coordinator: after.0 - before.0, workers: after.1 - before.1 }
+}
+
+/// How long one probe of so much work takes here, s: the best of several.
+fn seconds_of_work(work: u32) -> f64 {
+    let task = probe::Probe.task(&format!("{{\"work\":{work}}}")).expect("a legal task");
+    let once = || {
+        let start = Instant::now();
+        task.evaluate(&[0; PAYLOAD_BYTES as usize], 1, None, &mut |_| {}).expect("any bytes are a probe");
+        start.elapsed().as_secs_f64()
+    };
+    (0..9).map(|_| once()).fold(f64::INFINITY, f64::min)
+}

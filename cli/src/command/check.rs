@@ -1,0 +1,96 @@
+//! `hatchery check`: validates an experiment file here, without a coordinator. It creates nothing.
+
+use std::path::Path;
+
+use proto::v1;
+use search::{Experiment, Problem};
+use serde_json::json;
+
+use super::read_experiment;
+use crate::arguments::{Check, Overrides};
+use crate::exit::Failure;
+use crate::render::{Output, number};
+
+pub(super) fn check(arguments: &Check, output: Output) -> Result<(), Failure> {
+    let experiments = parse(&arguments.file, &read_experiment(&arguments.file)?, &arguments.overrides)?;
+    if output.json {
+        return output.document(&json!({
+            "file": arguments.file.display().to_string(),
+            "experiments": experiments.iter().map(document).collect::<Vec<_>>(),
+        }));
+    }
+    if arguments.resolved {
+        let texts: Vec<_> = experiments.iter().map(Experiment::resolved).collect();
+        return output.line(texts.join("\n").trim_end());
+    }
+    output.line(format!("{}: good", arguments.file.display()))?;
+    for experiment in &experiments {
+        output.line(format!("  {}", summary(experiment)))?;
+    }
+    Ok(())
+}
+
+/// The experiments of a file.
+///
+/// # Errors
+/// All its problems, each with its place.
+pub(super) fn parse(file: &Path, text: &str, overrides: &Overrides) -> Result<Vec<Experiment>, Failure> {
+    let set = overrides.set.iter().filter_map(|typed| typed.split_once('='));
+    let overrides = search::Overrides {
+        profile: overrides.profile.clone(),
+        set: set.map(|(key, value)| (key.trim().to_owned(), value.trim().to_owned())).collect(),
+    };
+    Experiment::parse(text, &overrides).map_err(|problems| Failure::Problems {
+        file: file.to_owned(),
+        text: text.to_owned(),
+        problems: problems.into_iter().map(on_the_wire).collect(),
+    })
+}
+
+/// A problem as a coordinator would send it: both ways are shown the same.
+fn on_the_wire(problem: Problem) -> v1::Problem {
+    v1::Problem {
+        start: problem.span.as_ref().map(|span| span.start as u64),
+        end: problem.span.as_ref().map(|span| span.end as u64),
+        key: problem.key,
+        message: problem.message,
+        help: problem.help.unwrap_or_default(),
+        line: problem.line,
+        column: problem.column,
+    }
+}
+
+fn summary(experiment: &Experiment) -> String {
+    let runs = match experiment.runs {
+        1 => "1 run".to_owned(),
+        runs => format!("{runs} runs"),
+    };
+    let mut words =
+        vec![format!("{}:", experiment.name), experiment.system.clone(), experiment.search_kind().to_owned()];
+    words.push(format!("{runs}, seed {}", experiment.seed));
+    if let (Some(generations), Some(population)) = (experiment.generations(), experiment.population()) {
+        words.push(format!("x {generations} generations x {population}"));
+    }
+    if let Some(planned) = experiment.planned() {
+        words.push(format!("= {} individuals", number::count(planned)));
+    }
+    words.join(" ")
+}
+
+fn document(experiment: &Experiment) -> serde_json::Value {
+    json!({
+        "name": experiment.name,
+        "group": experiment.group,
+        "profile": experiment.profile,
+        "system": experiment.system,
+        "search": experiment.search_kind(),
+        "seed": experiment.seed,
+        "runs": experiment.runs,
+        "generations": experiment.generations(),
+        "population": experiment.population(),
+        "planned": experiment.planned(),
+        "cell": experiment.coordinates(),
+        "digest": number::hex(&experiment.digest()),
+        "resolved": experiment.resolved(),
+    })
+}

@@ -1,0 +1,30 @@
+//! `hatchery pause`, `resume` and `cancel`: one order to a coordinator, about an experiment or every cell of
+//! a matrix.
+
+use proto::v1::ControlRequest;
+
+use super::list;
+use crate::arguments::Control;
+use crate::connect::{Connection, PROMPT, Source, within};
+use crate::exit::Failure;
+use crate::render::Output;
+
+/// What to do with the experiments named.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Order {
+    Pause,
+    Resume,
+    Cancel,
+}
+
+pub(super) async fn control(order: Order, arguments: Control, output: Output) -> Result<(), Failure> {
+    let connection = Connection::open(&Source::coordinator(&arguments.dial)).await?;
+    let mut client = connection.experiments();
+    let request = within(PROMPT, ControlRequest { experiment: arguments.experiment });
+    let reply = match order {
+        Order::Pause => client.pause(request).await?,
+        Order::Resume => client.resume(request).await?,
+        Order::Cancel => client.cancel(request).await?,
+    };
+    list::show(&reply.into_inner().experiments, output)
+}

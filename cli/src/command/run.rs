@@ -1,0 +1,189 @@
+//! `hatchery run`: the whole in one command. A coordinator in this process on a loopback port of its own,
+//! worker processes, and the same client as everywhere else; resumes what the lineage file holds unfinished.
+//! It evaluates nothing in this process.
+
+mod summary;
+
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use anyhow::anyhow;
+use coordinator::Config;
+use proto::v1::watch_event::What;
+use proto::v1::{ControlRequest, SubmitReply, SubmitRequest};
+
+use super::{check, read_experiment, watch};
+use crate::arguments::Run;
+use crate::connect::{Connection, PROMPT, Source, within};
+use crate::crew::{Crew, News};
+use crate::exit::Failure;
+use crate::render::Output;
+use crate::render::progress::Progress;
+use crate::signals::Signals;
+
+pub(super) async fn run(mut arguments: Run, output: Output) -> Result<(), Failure> {
+    let mut signals = Signals::listen()?;
+    let begun = Instant::now();
+    arguments.overrides = arguments.overrides.with_seed(arguments.seed);
+    let text = read_experiment(&arguments.file)?;
+    // A file with problems makes no database.
+    check::parse(&arguments.file, &text, &arguments.overrides)?;
+    let coordinator = coordinator::start(Config::embedded(arguments.db.clone()));
+    let coordinator = coordinator.await.map_err(anyhow::Error::new)?;
+    let address = format!("http://{}", coordinator.address());
+    let evaluated = Arc::new(AtomicU64::new(0));
+    let done = match Crew::start(workers(&arguments), &address, evaluated.clone()) {
+        Ok(mut crew) => {
+            let done = tokio::select! {
+                done = conduct(&arguments, text, &address, &mut crew, &evaluated, output) => done,
+                () = signals.first() => Err(Failure::Interrupted(format!(
+                    "interrupted; what was evaluated is in {}, and this goes on with it: {}",
+                    arguments.db.display(),
+                    again(&arguments)
+                ))),
+            };
+            let done = match done {
+                Ok(conducted) => summary::gather(&conducted, &arguments.db, begun.elapsed()).await,
+                Err(failure) => Err(failure),
+            };
+            // The workers go last: a worker that is lost while the coordinator looks on is a suspicion.
+            coordinator.shutdown().await;
+            drop(crew);
+            done
+        }
+        Err(error) => {
+            coordinator.shutdown().await;
+            Err(anyhow::Error::new(error).context("cannot start the workers").into())
+        }
+    };
+    summary::show(&done?, output)
+}
+
+/// An experiment that has ended, and the connection that knows it.
+#[derive(Debug)]
+struct Conducted {
+    connection: Connection,
+    /// One experiment, or the cells of a matrix.
+    experiments: Vec<u64>,
+    /// The name of the matrix; empty without one.
+    group: String,
+}
+
+/// Submits the file and follows the experiment to its end, with an eye on the workers.
+async fn conduct(
+    arguments: &Run,
+    text: String,
+    address: &str,
+    crew: &mut Crew,
+    evaluated: &AtomicU64,
+    output: Output,
+) -> Result<Conducted, Failure> {
+    let connection = Connection::open(&Source::Coordinator(address.to_owned())).await?;
+    let submitted = submit(&connection, arguments, text).await?;
+    let first = submitted.experiments.first().ok_or_else(|| anyhow!("the file makes no experiment"))?;
+    let group = first.group.clone();
+    let reference = if group.is_empty() { first.id.to_string() } else { group.clone() };
+    for paused in submitted.experiments.iter().filter(|experiment| experiment.state == "paused") {
+        let request = within(PROMPT, ControlRequest { experiment: paused.id.to_string() });
+        connection.experiments().resume(request).await?;
+    }
+
+    let mut progress = Progress::new(output);
+    let workers = match workers(arguments) {
+        1 => "1 worker".to_owned(),
+        workers => format!("{workers} workers"),
+    };
+    progress.say(&format!("coordinator at {address}, {workers}, lineage in {}", arguments.db.display()))?;
+    let mut events = watch::open(&connection, &reference).await?;
+    let mut marks = BTreeMap::new();
+    loop {
+        tokio::select! {
+            event = events.message() => match event? {
+                Some(event) => {
+                    if let Some(What::Progress(of)) = &event.what {
+                        marks.insert(event.experiment, of.evaluated);
+                        evaluated.store(marks.values().sum(), Ordering::Relaxed);
+                    }
+                    progress.show(&event)?;
+                }
+                None => break,
+            },
+            news = crew.news() => match news {
+                News::Restarted(text) => progress.say(&text)?,
+                News::Lost(why) => {
+                    return Err(anyhow!(
+                        "the workers die without evaluating anything: {why}; HATCHERY_LOG=debug shows more"
+                    )
+                    .into());
+                }
+            },
+        }
+    }
+    progress.end();
+    watch::verdict(progress.experiments())?;
+    let experiments = submitted.experiments.iter().map(|experiment| experiment.id).collect();
+    Ok(Conducted { connection, experiments, group })
+}
+
+async fn submit(connection: &Connection, arguments: &Run, text: String) -> Result<SubmitReply, Failure> {
+    let request = SubmitRequest {
+        text: text.clone(),
+        profile: arguments.overrides.profile.clone().unwrap_or_default(),
+        set: arguments.overrides.set.clone(),
+        resume: true,
+    };
+    let reply = connection.experiments().submit(within(PROMPT, request)).await;
+    Ok(reply.map_err(|status| Failure::of_submission(status, arguments.file.clone(), text))?.into_inner())
+}
+
+/// One worker a core, unless told otherwise.
+fn workers(arguments: &Run) -> u16 {
+    let cores = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    arguments.workers.unwrap_or_else(|| cores().try_into().unwrap_or(u16::MAX))
+}
+
+/// The command that goes on with a run.
+fn again(arguments: &Run) -> String {
+    let mut words = vec!["hatchery".to_owned(), "run".to_owned(), arguments.file.display().to_string()];
+    let mut option = |name: &str, value: String| words.extend([name.to_owned(), value]);
+    if let Some(profile) = &arguments.overrides.profile {
+        option("--profile", profile.clone());
+    }
+    for set in &arguments.overrides.set {
+        option("--set", set.clone());
+    }
+    if let Some(workers) = arguments.workers {
+        option("--workers", workers.to_string());
+    }
+    option("--db", arguments.db.display().to_string());
+    words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+}
+
+/// A word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c);
+    if word.chars().all(is_plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arguments::Overrides;
+
+    #[test]
+    fn the_command_that_goes_on_makes_the_same_experiment_in_the_same_file() {
+        let overrides = Overrides { profile: Some("smoke".into()), set: vec!["name=it's".into()] };
+        let arguments = Run {
+            file: "my files/a.toml".into(),
+            seed: Some(7),
+            workers: Some(2),
+            db: "b.db".into(),
+            overrides: overrides.with_seed(Some(7)),
+        };
+        let expected = r"hatchery run 'my files/a.toml' --profile smoke --set 'name=it'\''s' --set seed=7 --workers 2 --db b.db";
+        assert_eq!(again(&arguments), expected);
+    }
+}

@@ -1,0 +1,48 @@
+//! `hatchery sql`: one SELECT of the user's on the documented views, answered as a table or as one object a
+//! line.
+
+use proto::v1::{QueryRequest, Value, query_request::What, value::Kind};
+
+use crate::arguments::Sql;
+use crate::connect::{Connection, Source};
+use crate::exit::Failure;
+use crate::render::table::{plain, text};
+use crate::render::{Output, json, number};
+
+pub(super) async fn sql(arguments: Sql, output: Output) -> Result<(), Failure> {
+    let connection = Connection::open(&Source::of(&arguments.ask)).await?;
+    let request = QueryRequest {
+        what: Some(What::Sql(arguments.statement)),
+        row_limit: arguments.rows,
+        timeout_ms: arguments.timeout.unwrap_or(0) * 1000,
+    };
+    let mut rows = connection.query(request).await?;
+    if output.json {
+        while let Some(values) = rows.next().await? {
+            output.object(&json::row(rows.columns(), &values))?;
+        }
+        return Ok(());
+    }
+    let mut table = plain(rows.columns());
+    let mut count = 0;
+    while let Some(values) = rows.next().await? {
+        table.add_row(values.iter().map(cell));
+        count += 1;
+    }
+    output.line(text(&table))?;
+    if count == 0 {
+        output.line("(no rows)")?;
+    }
+    Ok(())
+}
+
+/// A value as it is, every digit of it: what was asked for may be compared.
+fn cell(value: &Value) -> String {
+    match &value.kind {
+        None => "NULL".to_owned(),
+        Some(Kind::Integer(value)) => value.to_string(),
+        Some(Kind::Real(value)) => value.to_string(),
+        Some(Kind::Text(value)) => value.replace(['\n', '\r'], " "),
+        Some(Kind::Blob(value)) => number::hex(value),
+    }
+}

@@ -1,0 +1,85 @@
+//! `hatchery watch`: follows experiments until they end. `run` follows its own the same way.
+
+use proto::v1::{Experiment, WatchEvent, WatchRequest};
+use tonic::Streaming;
+
+use crate::arguments::Control;
+use crate::connect::{Connection, Source};
+use crate::exit::Failure;
+use crate::render::Output;
+use crate::render::progress::Progress;
+use crate::signals::Signals;
+
+pub(super) async fn watch(arguments: Control, output: Output) -> Result<(), Failure> {
+    let mut signals = Signals::listen()?;
+    let connection = Connection::open(&Source::coordinator(&arguments.dial)).await?;
+    let mut events = open(&connection, &arguments.experiment).await?;
+    let mut progress = Progress::new(output);
+    loop {
+        tokio::select! {
+            event = events.message() => match event? {
+                Some(event) => progress.show(&event)?,
+                None => break,
+            },
+            () = signals.first() => {
+                progress.end();
+                return Err(Failure::Interrupted(
+                    "the watching ended; the experiment goes on".to_owned(),
+                ));
+            }
+        }
+    }
+    progress.end();
+    verdict(progress.experiments())
+}
+
+/// Opens the stream of what happens to an experiment, or to the cells of a matrix. It has no deadline: it
+/// lasts as long as they do.
+pub(super) async fn open(
+    connection: &Connection,
+    experiment: &str,
+) -> Result<Streaming<WatchEvent>, Failure> {
+    let request = WatchRequest { experiment: experiment.to_owned() };
+    Ok(connection.experiments().watch(request).await?.into_inner())
+}
+
+/// Whether all that was watched came to its end.
+pub(super) fn verdict<'a>(experiments: impl Iterator<Item = &'a Experiment>) -> Result<(), Failure> {
+    let mut unfinished = Vec::new();
+    for of in experiments {
+        let reason = if of.reason.is_empty() { String::new() } else { format!(": {}", of.reason) };
+        match of.state.as_str() {
+            "finished" => {}
+            "failed" | "cancelled" => unfinished.push(format!("{} was {}{reason}", of.name, of.state)),
+            _ => {
+                return Err(Failure::Unreachable(format!(
+                    "the coordinator went away while {} was {}{reason}",
+                    of.name, of.state
+                )));
+            }
+        }
+    }
+    if unfinished.is_empty() { Ok(()) } else { Err(anyhow::anyhow!(unfinished.join("; ")).into()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn states(states: &[&str]) -> Result<(), Failure> {
+        let of = |state: &&str| Experiment { name: "a".into(), state: (*state).into(), ..Default::default() };
+        verdict(states.iter().map(of).collect::<Vec<_>>().iter())
+    }
+
+    #[test]
+    fn only_what_finished_was_a_success() {
+        assert!(states(&["finished", "finished"]).is_ok());
+        assert_eq!(states(&["finished", "failed"]).unwrap_err().exit() as u8, 1);
+        assert_eq!(states(&["cancelled"]).unwrap_err().exit() as u8, 1);
+    }
+
+    #[test]
+    fn a_stream_that_ends_too_early_is_a_coordinator_that_went_away() {
+        assert_eq!(states(&["running"]).unwrap_err().exit() as u8, 4);
+    }
+}

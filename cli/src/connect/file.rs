@@ -1,0 +1,109 @@
+//! A lineage file served in this process over a pipe in memory, so that a command which reads a file is the
+//! same gRPC client as one which asks a coordinator. Nothing is written, nothing listens, and a run may be
+//! writing the file meanwhile.
+
+use std::path::Path;
+use std::pin::Pin;
+
+use coordinator::lineage::{OpenError, ReadError, Reader};
+use coordinator::service::experiments::render_summary;
+use coordinator::service::lineage::{LineageService, OWN, status};
+use hyper_util::rt::TokioIo;
+use proto::v1;
+use proto::v1::experiments_server::{Experiments, ExperimentsServer};
+use tokio_stream::{Stream, StreamExt};
+use tonic::transport::{Channel, Endpoint, Server};
+use tonic::{Request, Response, Status};
+
+use crate::exit::Failure;
+
+/// Room for what is on its way through the pipe, bytes.
+const PIPE_SIZE: usize = 1 << 20;
+
+/// Opens a lineage file for reading and serves it to the channel that it gives.
+///
+/// # Errors
+/// No such file, or a file that is no lineage, or not of this release.
+pub(super) async fn serve(path: &Path) -> Result<Channel, Failure> {
+    let reader = Reader::open(path).await.map_err(refusal)?;
+    let (ours, theirs) = tokio::io::duplex(PIPE_SIZE);
+    let once = tokio_stream::once(Ok::<_, std::io::Error>(theirs)).chain(tokio_stream::pending());
+    let router = Server::builder()
+        .add_service(LineageService::within(reader.clone(), OWN).into_server())
+        .add_service(ExperimentsServer::new(Stored { reader }));
+    tokio::spawn(async move {
+        if let Err(error) = router.serve_with_incoming(once).await {
+            tracing::warn!("the service in this process ended: {error}");
+        }
+    });
+    let mut ours = Some(TokioIo::new(ours));
+    let connector = tower::service_fn(move |_| {
+        // There is one pipe: a second connection would mean that the first one broke.
+        let pipe = ours.take().ok_or_else(|| std::io::Error::other("the service in this process ended"));
+        std::future::ready(pipe)
+    });
+    let endpoint = Endpoint::from_static("http://in-process");
+    endpoint.connect_with_connector(connector).await.map_err(|error| anyhow::Error::new(error).into())
+}
+
+fn refusal(error: OpenError) -> Failure {
+    match error {
+        OpenError::Missing { path } => Failure::NotFound(format!(
+            "{}: no such file; name a lineage with --db FILE, or a coordinator with --coordinator URL",
+            path.display()
+        )),
+        OpenError::Foreign { .. } => Failure::Usage(error.to_string()),
+        _ => Failure::Failed(error.into()),
+    }
+}
+
+/// The `Experiments` service as far as a file can answer: what there is, and how far it was when last
+/// written.
+struct Stored {
+    reader: Reader,
+}
+
+/// What only a coordinator can do.
+fn needs_coordinator<T>() -> Result<Response<T>, Status> {
+    Err(Status::failed_precondition("a file alone cannot do this: name a coordinator with --coordinator URL"))
+}
+
+#[tonic::async_trait]
+impl Experiments for Stored {
+    async fn list(&self, _: Request<v1::ListRequest>) -> Result<Response<v1::ListReply>, Status> {
+        let summaries = self.reader.summaries(None).await.map_err(status)?;
+        Ok(Response::new(v1::ListReply { experiments: summaries.into_iter().map(render_summary).collect() }))
+    }
+
+    async fn get(&self, request: Request<v1::GetRequest>) -> Result<Response<v1::Experiment>, Status> {
+        let reference = request.into_inner().experiment;
+        let id = self.reader.find_one(&reference).await.map_err(status)?;
+        let mut summaries = self.reader.summaries(Some(&[id])).await.map_err(status)?;
+        let summary = summaries.pop();
+        let summary = summary.ok_or_else(|| status(ReadError::NotFound { what: "experiment", reference }))?;
+        let resolved = self.reader.experiment(id).await.map_err(status)?.resolved;
+        Ok(Response::new(v1::Experiment { resolved, ..render_summary(summary) }))
+    }
+
+    async fn submit(&self, _: Request<v1::SubmitRequest>) -> Result<Response<v1::SubmitReply>, Status> {
+        needs_coordinator()
+    }
+
+    type WatchStream = Pin<Box<dyn Stream<Item = Result<v1::WatchEvent, Status>> + Send>>;
+
+    async fn watch(&self, _: Request<v1::WatchRequest>) -> Result<Response<Self::WatchStream>, Status> {
+        needs_coordinator()
+    }
+
+    async fn pause(&self, _: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
+        needs_coordinator()
+    }
+
+    async fn resume(&self, _: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
+        needs_coordinator()
+    }
+
+    async fn cancel(&self, _: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
+        needs_coordinator()
+    }
+}

@@ -1,0 +1,106 @@
+//! A worker with something wrong with it: its process dies of some genotypes, or its physics are not those of
+//! the others. Real in all else: it is the worker's own library that runs.
+
+use std::future::pending;
+use std::process::ExitCode;
+use std::sync::OnceLock;
+
+use clap::Parser;
+use creatures::{Cull, DecodeError, Interim, Outcome, Proof, SpecError, System, Task};
+
+/// What is wrong with this worker.
+#[derive(Debug, Parser)]
+struct FragileArguments {
+    #[command(flatten)]
+    worker: worker::command::Arguments,
+    /// The process aborts over probe genotypes whose first byte is below this
+    #[arg(long, default_value_t = 0)]
+    fatal_below: u8,
+    /// Its physics fingerprint differs in one bit
+    #[arg(long)]
+    foreign_physics: bool,
+    /// The release that it says it is of
+    #[arg(long)]
+    release: Option<String>,
+}
+
+static FATAL_BELOW: OnceLock<u8> = OnceLock::new();
+
+#[tokio::main]
+async fn main() -> ExitCode {
+    let arguments = FragileArguments::parse();
+    FATAL_BELOW.set(arguments.fatal_below).expect("set once");
+    let mut config = match arguments.worker.config() {
+        Ok(config) => config,
+        Err(error) => {
+            eprintln!("{error}");
+            return ExitCode::from(2);
+        }
+    };
+    config.systems = fragile;
+    if arguments.foreign_physics {
+        config.fingerprint[0] ^= 1;
+    }
+    if let Some(release) = arguments.release {
+        config.version = release;
+    }
+    match worker::run(config, pending()).await {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The registry of this worker.
+fn fragile(name: &str) -> Option<&'static dyn System> {
+    if name == creatures::probe::Probe.name() { Some(&FragileProbe) } else { creatures::system(name) }
+}
+
+/// The probe, deadly to the process.
+struct FragileProbe;
+
+impl System for FragileProbe {
+    fn name(&self) -> &'static str {
+        creatures::probe::Probe.name()
+    }
+
+    fn version(&self) -> u32 {
+        creatures::probe::Probe.version()
+    }
+
+    fn resolve(&self, task: serde_json::Value) -> Result<serde_json::Value, SpecError> {
+        creatures::probe::Probe.resolve(task)
+    }
+
+    fn task(&self, resolved: &str) -> Result<Box<dyn Task>, SpecError> {
+        Ok(Box::new(FragileTask(creatures::probe::Probe.task(resolved)?)))
+    }
+
+    fn proofs(&self) -> Vec<Proof> {
+        creatures::probe::Probe.proofs()
+    }
+}
+
+struct FragileTask(Box<dyn Task>);
+
+impl Task for FragileTask {
+    fn check(&self, genotype: &[u8]) -> Result<(), DecodeError> {
+        self.0.check(genotype)
+    }
+
+    fn evaluate(
+        &self,
+        genotype: &[u8],
+        seed: u64,
+        cull: Option<&Cull>,
+        on_interim: &mut dyn FnMut(Interim),
+    ) -> Result<Outcome, DecodeError> {
+        let fatal_below = *FATAL_BELOW.get().expect("set before the first evaluation");
+        if genotype.first().is_some_and(|&first| first < fatal_below) {
+            std::process::abort();
+        }
+        self.0.evaluate(genotype, seed, cull, on_interim)
+    }
+}

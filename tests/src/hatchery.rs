@@ -1,0 +1,190 @@
+//! One hatchery at work: a coordinator on a free port, its lineage in a temporary folder, and named workers,
+//! each a process that can be killed, frozen and started again.
+
+use std::collections::BTreeMap;
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use rustix::process::Signal;
+use tempfile::TempDir;
+
+use crate::client::{Client, PATIENCE};
+use crate::process::Process;
+use crate::programs::program;
+
+/// Short, so that a silent worker is missed within a test; long enough for a machine under load.
+const HEARTBEAT_MS: u32 = 100;
+const TIMEOUT_MS: u32 = 1000;
+
+/// A coordinator and its workers. Everything ends when this is dropped.
+#[derive(Debug)]
+pub struct Hatchery {
+    workers: BTreeMap<String, Process>,
+    coordinator: Process,
+    address: SocketAddr,
+    client: Client,
+    folder: TempDir,
+}
+
+impl Hatchery {
+    /// Starts a coordinator on a new lineage.
+    pub fn new() -> Hatchery {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        Hatchery::in_folder(folder)
+    }
+
+    /// Starts a coordinator on a new lineage and workers `w1`, `w2`, … of one slot each.
+    pub fn with_workers(count: usize) -> Hatchery {
+        let mut hatchery = Hatchery::new();
+        for number in 1..=count {
+            hatchery.join(&format!("w{number}"));
+        }
+        hatchery
+    }
+
+    /// Starts a coordinator in a folder, which may hold a lineage already.
+    pub fn in_folder(folder: TempDir) -> Hatchery {
+        let any_port = "127.0.0.1:0".parse().expect("an address");
+        let (coordinator, address) = start_coordinator(folder.path(), any_port);
+        Hatchery { workers: BTreeMap::new(), coordinator, address, client: Client::new(address), folder }
+    }
+
+    /// Where everything is.
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// The lineage file.
+    pub fn db(&self) -> PathBuf {
+        self.folder.path().join("lineage.db")
+    }
+
+    /// What clients and workers dial.
+    pub fn url(&self) -> String {
+        format!("http://{}", self.address)
+    }
+
+    /// Questions to the coordinator.
+    pub fn client(&self) -> &Client {
+        &self.client
+    }
+
+    /// The coordinator's process.
+    pub fn coordinator(&mut self) -> &mut Process {
+        &mut self.coordinator
+    }
+
+    /// SIGKILL to the coordinator; nothing is started in its stead.
+    pub fn kill_coordinator(&mut self) {
+        self.coordinator.kill();
+    }
+
+    /// Starts the coordinator again on the same lineage and address.
+    pub fn restart_coordinator(&mut self) {
+        self.coordinator.kill();
+        (self.coordinator, _) = start_coordinator(self.folder.path(), self.address);
+    }
+
+    /// Starts a worker of one slot.
+    pub fn join(&mut self, name: &str) {
+        self.join_as(name, "hatchery-worker", &[]);
+    }
+
+    /// Starts a worker of one slot from a binary of its own, with further arguments.
+    pub fn join_as(&mut self, name: &str, binary: &str, arguments: &[&str]) {
+        let mut command = Command::new(program(binary));
+        command.args(["--coordinator", &self.url(), "--slots", "1", "--name", name]).args(arguments);
+        command.env("HATCHERY_LOG", "info");
+        let log = self.folder.path().join(format!("{name}.log"));
+        self.workers.insert(name.to_owned(), Process::start(&mut command, &log));
+    }
+
+    /// A worker's process.
+    ///
+    /// # Panics
+    /// When none of that name was started.
+    pub fn worker(&mut self, name: &str) -> &mut Process {
+        self.workers.get_mut(name).unwrap_or_else(|| panic!("no worker {name} was started"))
+    }
+
+    /// SIGKILL to a worker.
+    pub fn kill(&mut self, name: &str) {
+        self.worker(name).kill();
+    }
+
+    /// SIGSTOP to a worker: its connection stays open, and nothing more comes from it.
+    pub fn freeze(&mut self, name: &str) {
+        self.worker(name).signal(Signal::STOP);
+    }
+
+    /// SIGCONT to a worker.
+    pub fn thaw(&mut self, name: &str) {
+        self.worker(name).signal(Signal::CONT);
+    }
+
+    /// Waits until so many workers are attached.
+    ///
+    /// # Panics
+    /// When they are not in time.
+    pub fn wait_attached(&self, count: usize) {
+        let deadline = Instant::now() + PATIENCE;
+        loop {
+            let workers = self.client.workers();
+            if workers.iter().filter(|worker| worker.state == "attached").count() == count {
+                return;
+            }
+            assert!(Instant::now() < deadline, "{count} workers should be attached: {workers:#?}");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    /// Submits one experiment; its number.
+    ///
+    /// # Panics
+    /// When it is refused.
+    pub fn submit(&self, text: &str) -> u64 {
+        let experiments =
+            self.client.submit(text, &[]).unwrap_or_else(|status| panic!("refused: {status:?}"));
+        assert_eq!(experiments.len(), 1, "a file without a matrix makes one experiment");
+        experiments[0].id
+    }
+
+    /// Submits one experiment, waits for its end and gives its lineage hash.
+    pub fn lineage_of(&self, text: &str) -> String {
+        let id = self.submit(text);
+        self.client.wait(id);
+        self.client.hash(id)
+    }
+}
+
+impl Default for Hatchery {
+    fn default() -> Self {
+        Hatchery::new()
+    }
+}
+
+fn start_coordinator(folder: &Path, listen: SocketAddr) -> (Process, SocketAddr) {
+    let file = folder.join("address");
+    // One of an earlier start would be read before this one is there.
+    let _ = std::fs::remove_file(&file);
+    let mut command = Command::new(program("hatchery-coordinator"));
+    command.arg("--db").arg(folder.join("lineage.db"));
+    command.arg("--listen").arg(listen.to_string()).arg("--address-file").arg(&file);
+    command.arg("--heartbeat-ms").arg(HEARTBEAT_MS.to_string());
+    command.arg("--timeout-ms").arg(TIMEOUT_MS.to_string());
+    command.env("HATCHERY_LOG", "info");
+    let mut process = Process::start(&mut command, &folder.join("coordinator.log"));
+    let deadline = Instant::now() + PATIENCE;
+    loop {
+        if let Some(address) = std::fs::read_to_string(&file).ok().and_then(|text| text.trim().parse().ok()) {
+            return (process, address);
+        }
+        if let Some(status) = process.ended() {
+            panic!("the coordinator ended with {status}:\n{}", process.log());
+        }
+        assert!(Instant::now() < deadline, "the coordinator does not listen:\n{}", process.log());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}

@@ -1,0 +1,49 @@
+//! Small experiments, large enough to have parents, and short enough for a debug build.
+
+/// Probe individuals: `work` hash compressions each (about 0.1 µs apiece in a release build, a few µs in debug).
+pub fn probe(seed: u64, population: u32, generations: u32, work: u32) -> String {
+    format!(
+        r#"
+name = "probe"
+system = "probe"
+seed = {seed}
+runs = 1
+
+[task]
+work = {work}
+
+[search]
+kind = "probe"
+population = {population}
+generations = {generations}
+payload = 256
+"#
+    )
+}
+
+/// Walkers of a body under `grn` or `neat`, for one simulated second each.
+pub fn walkers(body: &str, kind: &str, seed: u64, population: u32, generations: u32) -> String {
+    format!(
+        r#"
+name = "{body}-{kind}"
+system = "walker"
+seed = {seed}
+runs = 1
+
+[task]
+body = "{body}"
+seconds = 1.0
+
+[search]
+kind = "{kind}"
+population = {population}
+generations = {generations}
+"#
+    )
+}
+
+/// The same in six runs, culled a quarter of the way: a fifth of those that stand worst against the previous generation.
+pub fn culled(text: &str) -> String {
+    let text = text.replace("runs = 1", "runs = 6");
+    format!("{text}\n[culling]\nat = 0.25\nfraction = 0.9\ncontrol = 0.2\n")
+}

@@ -1,0 +1,97 @@
+//! One lineage, whatever befalls the machines: the hash of an experiment is that of its evaluation in this
+//! process, one individual after the other (design: determinism; walker X-18..X-20, T-20).
+
+use std::time::Duration;
+
+use creatures::random::stream;
+use hatchery_tests::samples::{culled, probe, walkers};
+use hatchery_tests::{Hatchery, command, local};
+
+#[test]
+fn a_lineage_is_the_same_for_any_number_of_workers() {
+    let experiments = [
+        culled(&walkers("crawler", "grn", 1, 12, 4)),
+        walkers("hopper", "neat", 2, 12, 4),
+        walkers("runner", "grn", 3, 8, 3),
+        walkers("arm", "neat", 4, 8, 3),
+        probe(5, 300, 5, 0),
+    ];
+    let expected: Vec<String> = experiments.iter().map(|text| local::lineage(text)).collect();
+    for count in [1, 2, 5] {
+        let hatchery = Hatchery::with_workers(count);
+        hatchery.wait_attached(count);
+        // All at once, so that evaluations of all of them are under way together, in any order.
+        let ids: Vec<u64> = experiments.iter().map(|text| hatchery.submit(text)).collect();
+        for (id, expected) in ids.into_iter().zip(&expected) {
+            let experiment = hatchery.client().wait(id);
+            assert_eq!(&hatchery.client().hash(id), expected, "{} on {count} workers", experiment.name);
+        }
+    }
+}
+
+#[test]
+fn killed_workers_cost_time_and_nothing_else() {
+    let text = culled(&walkers("crawler", "neat", 6, 40, 8));
+    let mut hatchery = Hatchery::with_workers(3);
+    hatchery.wait_attached(3);
+    let id = hatchery.submit(&text);
+    let mut instants = stream(6, [0, 0, 0], "kills");
+    let mut killed = 0;
+    while hatchery.client().experiment(id).expect("it was submitted").state == "running" && killed < 12 {
+        std::thread::sleep(Duration::from_millis(instants.within(30, 250) as u64));
+        let name = format!("w{}", instants.within(1, 3));
+        hatchery.kill(&name);
+        hatchery.join(&name);
+        killed += 1;
+    }
+    hatchery.client().wait(id);
+    assert!(killed >= 5, "the run ended after {killed} kills: it is too short to prove anything");
+    let lost = hatchery.client().count("SELECT count(*) FROM v_evaluations WHERE fate LIKE 'lost%'");
+    assert!(lost > 0, "no kill met an evaluation under way");
+    assert_eq!(hatchery.client().count("SELECT count(*) FROM v_individuals WHERE status = 'failed'"), 0);
+    assert_eq!(hatchery.client().hash(id), local::lineage(&text));
+}
+
+#[test]
+fn a_coordinator_killed_ten_times_goes_on_to_the_same_lineage() {
+    let text = culled(&walkers("hopper", "grn", 7, 40, 10));
+    let mut hatchery = Hatchery::with_workers(2);
+    hatchery.wait_attached(2);
+    let id = hatchery.submit(&text);
+    let mut instants = stream(7, [0, 0, 0], "kills");
+    let mut under_way = 0;
+    for _ in 0..10 {
+        std::thread::sleep(Duration::from_millis(instants.within(50, 600) as u64));
+        hatchery.kill_coordinator();
+        hatchery.restart_coordinator();
+        under_way +=
+            u32::from(hatchery.client().experiment(id).expect("it was submitted").state == "running");
+    }
+    assert!(under_way >= 8, "only {under_way} of 10 kills came before the end: the run is too short");
+    hatchery.client().wait(id);
+    assert_eq!(hatchery.client().hash(id), local::lineage(&text));
+    for name in ["w1", "w2"] {
+        assert!(hatchery.worker(name).ended().is_none(), "{name} outlives every coordinator");
+    }
+}
+
+#[test]
+fn a_run_killed_and_taken_up_again_ends_as_an_unbroken_one() {
+    let text = culled(&walkers("crawler", "grn", 8, 40, 6));
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("experiment.toml");
+    std::fs::write(&file, &text).expect("the folder is writable");
+    let mut instants = stream(8, [0, 0, 0], "kills");
+    let mut killed = 0;
+    for _ in 0..4 {
+        let mut run = command::start(folder.path(), &["run", "experiment.toml", "--workers", "2"]);
+        std::thread::sleep(Duration::from_millis(instants.within(400, 1200) as u64));
+        killed += u32::from(run.ended().is_none());
+        run.kill();
+    }
+    assert!(killed >= 2, "the run ended before it could be killed: it is too short to prove anything");
+    command::succeed(folder.path(), &["run", "experiment.toml", "--workers", "2"]);
+    assert_eq!(command::hash(folder.path(), "last"), local::lineage(&text));
+    let count = command::count(folder.path(), "SELECT count(*) FROM v_experiments");
+    assert_eq!(count, 1, "the run was taken up, not begun again");
+}
