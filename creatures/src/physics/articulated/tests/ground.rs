@@ -122,6 +122,19 @@ fn a_fall_ends_without_a_bounce_whatever_the_step() {
 }
 
 #[test]
+fn a_point_that_would_enter_the_ground_within_the_step_is_met_on_the_way() {
+    let (gap, fall) = (0.001, 3.0);
+    let (mut world, id) = alone(earth(), Body::cuboid(DVec3::splat(0.1), 150.0, DVec3::Z * (0.05 + gap)));
+    world.set_velocity(id, DVec3::Z * -fall, DVec3::ZERO);
+    world.step(DT).unwrap();
+    // The way to the surface is free; what goes beyond is shared with four points' γ = h (k h + c).
+    let free = -(fall + GRAVITY * DT);
+    let gain = DT * (1000.0 * DT + 12.0);
+    let met = -gap / DT + (free + gap / DT) * world.mass(id) / (world.mass(id) + 4.0 * gain);
+    assert!((world.velocity(id).z - met).abs() < 1e-12, "{} against {met}", world.velocity(id).z);
+}
+
+#[test]
 fn a_capsule_lies_on_its_caps() {
     let lying = DQuat::from_rotation_arc(DVec3::Z, DVec3::X);
     let capsule = Body { orientation: lying, ..Body::capsule(0.02, 0.1, 200.0, DVec3::Z * 0.03) };
