@@ -94,6 +94,13 @@ pub(super) enum Hold {
     Given,
 }
 
+impl Hold {
+    /// Whether the ground presses.
+    pub(super) fn touches(&self) -> bool {
+        *self != Hold::Open
+    }
+}
+
 /// How a contact that slides is linearised: from quadratic convergence to certain convergence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Patience {
@@ -229,11 +236,7 @@ impl Contact {
         let against = -(shear[0] * slip[0] + shear[1] * slip[1]);
         let holds = match self.hold {
             Hold::Open | Hold::Given => true,
-            _ if pressure < 0.0 => {
-                // Should it come back, then with less friction: too much of it may have lifted the point.
-                self.load *= 0.5;
-                return Hold::Open;
-            }
+            _ if pressure < 0.0 => return Hold::Open,
             _ if length(shear) > cone => false,
             Hold::Slide { direction: [x, y], .. } if x * slip[0] + y * slip[1] < footing.slip_speed => false,
             // Below the slip speed the drag may be too small by half: the slip speed is a bound of what cannot
@@ -246,6 +249,15 @@ impl Contact {
         }
         self.load = if patience == Patience::Newton { pressure } else { 0.5 * (self.load + pressure) };
         self.grip(footing, slip, patience)
+    }
+
+    /// Holds otherwise from the next round on.
+    pub(super) fn switch(&mut self, hold: Hold) {
+        if hold == Hold::Open {
+            // Should it come back, then with less friction: too much of it may have lifted the point.
+            self.load *= 0.5;
+        }
+        self.hold = hold;
     }
 
     /// How a contact under its load holds at a tangential velocity.

@@ -4,13 +4,13 @@
 //! Every motor, stop and contact is a monotone law between velocity and impulse, and each round replaces
 //! the laws by the straight pieces on which they are thought to be. If the solution lies on these pieces it
 //! is *the* solution. If not, all that are wrong switch (block principal pivoting); when that makes no
-//! progress only the last motor or stop does, and among these that cannot go round in circles. The pieces of
+//! progress only the last does, which cannot go round in circles while friction stays as it is. The pieces of
 //! the last step are the first guess, so that one round is usual.
 
 use super::World;
-use super::contact::{Footing, Patience};
+use super::contact::{Footing, Hold, Patience};
 use super::joint::Link;
-use super::staircase::Demand;
+use super::staircase::{Demand, Tread};
 use super::tree::Singular;
 
 /// Rounds before impulses are cut to their laws and taken as they are (flyer F-38).
@@ -84,8 +84,8 @@ impl World {
         self.substitute()
     }
 
-    /// Reads the impulses of a round and switches what was wrong, or only the last of it; returns how many
-    /// were wrong.
+    /// Reads the impulses of a round and switches what was wrong, or only the last of it; returns how much
+    /// was wrong.
     fn judge(&mut self, footing: Option<&Footing>, one: bool, patience: Patience) -> usize {
         let mut wrong = 0;
         let mut last = None;
@@ -103,25 +103,37 @@ impl World {
                 let tread = dof.staircase.judge(dof.tread, dof.rate, dof.impulse);
                 if tread != dof.tread {
                     wrong += 1;
-                    if one {
-                        last = Some((index, k, tread));
-                    } else {
+                    last = Some(Switch::Degree(index, k, tread));
+                    if !one {
                         dof.tread = tread;
                     }
                 }
             }
         }
-        if let Some((index, k, tread)) = last {
-            self.links[index].dofs_mut()[k].tread = tread;
-        }
-        let Some(footing) = footing else { return wrong };
-        for contact in &mut self.contacts {
-            let hold = contact.judge(footing, &self.bodies[contact.body].twist, patience);
-            if hold != contact.hold {
-                wrong += 1;
-                contact.hold = hold;
+        if let Some(footing) = footing {
+            for (index, contact) in self.contacts.iter_mut().enumerate() {
+                let hold = contact.judge(footing, &self.bodies[contact.body].twist, patience);
+                if hold != contact.hold {
+                    wrong += 1;
+                    if one && contact.hold.touches() != hold.touches() {
+                        last = Some(Switch::Contact(index, hold));
+                    } else {
+                        contact.switch(hold);
+                    }
+                }
             }
+        }
+        match last {
+            Some(Switch::Degree(index, k, tread)) if one => self.links[index].dofs_mut()[k].tread = tread,
+            Some(Switch::Contact(index, hold)) => self.contacts[index].switch(hold),
+            _ => {}
         }
         wrong
     }
+}
+
+/// A change from one straight piece of a law to another.
+enum Switch {
+    Degree(usize, usize, Tread),
+    Contact(usize, Hold),
 }
