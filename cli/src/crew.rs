@@ -123,7 +123,7 @@ async fn member(number: u16, first: Child, roster: Arc<Roster>) {
                 return;
             }
             let text = format!("worker {number} {cause}; started again in {:.1} s", wait.as_secs_f64());
-            tracing::warn!("{text}");
+            tracing::info!("{text}");
             // Words beyond what anybody takes in are dropped; the log has them.
             let _ = roster.news.try_send(News::Restarted(text));
             tokio::time::sleep(wait).await;

@@ -8,12 +8,12 @@ use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
 use coordinator::Config;
 use proto::v1::watch_event::What;
-use proto::v1::{ControlRequest, SubmitReply, SubmitRequest};
+use proto::v1::{ControlRequest, SubmitReply, SubmitRequest, WorkersRequest};
 
 use super::{check, read_experiment, watch};
 use crate::arguments::Run;
@@ -23,6 +23,9 @@ use crate::exit::Failure;
 use crate::render::Output;
 use crate::render::progress::Progress;
 use crate::signals::Signals;
+
+/// How often a beginning run looks for its first worker.
+const ATTACH_POLL: Duration = Duration::from_millis(20);
 
 pub(super) async fn run(mut arguments: Run, output: Output) -> Result<(), Failure> {
     let mut signals = Signals::listen()?;
@@ -82,6 +85,8 @@ async fn conduct(
     output: Output,
 ) -> Result<Conducted, Failure> {
     let connection = Connection::open(&Source::Coordinator(address.to_owned())).await?;
+    let mut progress = Progress::new(output);
+    await_worker(&connection, crew, &mut progress).await?;
     let submitted = submit(&connection, arguments, text).await?;
     let first = submitted.experiments.first().ok_or_else(|| anyhow!("the file makes no experiment"))?;
     let group = first.group.clone();
@@ -91,7 +96,6 @@ async fn conduct(
         connection.experiments().resume(request).await?;
     }
 
-    let mut progress = Progress::new(output);
     let workers = match workers(arguments) {
         1 => "1 worker".to_owned(),
         workers => format!("{workers} workers"),
@@ -113,12 +117,7 @@ async fn conduct(
             },
             news = crew.news() => match news {
                 News::Restarted(text) => progress.say(&text)?,
-                News::Lost(why) => {
-                    return Err(anyhow!(
-                        "the workers die without evaluating anything: {why}; HATCHERY_LOG=debug shows more"
-                    )
-                    .into());
-                }
+                News::Lost(why) => return Err(lost(&why)),
             },
         }
     }
@@ -126,6 +125,31 @@ async fn conduct(
     watch::verdict(progress.experiments())?;
     let experiments = submitted.experiments.iter().map(|experiment| experiment.id).collect();
     Ok(Conducted { connection, experiments, group })
+}
+
+/// Waits until a worker has attached, so that a run does not begin with the word that there is none.
+async fn await_worker(
+    connection: &Connection,
+    crew: &mut Crew,
+    progress: &mut Progress,
+) -> Result<(), Failure> {
+    loop {
+        let reply = connection.fleet().workers(within(PROMPT, WorkersRequest {})).await?;
+        if !reply.into_inner().workers.is_empty() {
+            return Ok(());
+        }
+        tokio::select! {
+            () = tokio::time::sleep(ATTACH_POLL) => {}
+            news = crew.news() => match news {
+                News::Restarted(text) => progress.say(&text)?,
+                News::Lost(why) => return Err(lost(&why)),
+            },
+        }
+    }
+}
+
+fn lost(why: &str) -> Failure {
+    anyhow!("the workers die without evaluating anything: {why}; HATCHERY_LOG=debug shows more").into()
 }
 
 async fn submit(connection: &Connection, arguments: &Run, text: String) -> Result<SubmitReply, Failure> {
