@@ -191,7 +191,7 @@ impl Conductor {
             && individuals
                 .iter()
                 .zip(&point.individuals)
-                .all(|(asked, standing)| *blake3::hash(&asked.genotype).as_bytes() == standing.digest);
+                .all(|(asked, standing)| standing.has(&asked.genotype));
         let (true, Some(first)) = (same, point.individuals.first()) else {
             return Err(ConductError::OtherHistory { run: number, generation: point.generation });
         };
