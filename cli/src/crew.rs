@@ -4,7 +4,7 @@
 
 use std::collections::VecDeque;
 use std::ffi::OsString;
-use std::process::{ExitStatus, Stdio};
+use std::process::Stdio;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -34,6 +34,7 @@ pub(crate) enum News {
 /// The running worker processes. Dropping it kills them; they hold nothing that cannot be evaluated again.
 #[derive(Debug)]
 pub(crate) struct Crew {
+    roster: Arc<Roster>,
     news: mpsc::Receiver<News>,
     _members: JoinSet<()>,
 }
@@ -44,8 +45,8 @@ struct Roster {
     /// The command line that starts a worker.
     program: OsString,
     arguments: Vec<OsString>,
-    /// Rises whenever an evaluation is on file: deaths before that are in vain.
-    evaluated: Arc<AtomicU64>,
+    /// Evaluations on file: deaths are in vain while it stays.
+    evaluated: AtomicU64,
     deaths: Mutex<Deaths>,
     deaths_max: u32,
     news: mpsc::Sender<News>,
@@ -59,23 +60,18 @@ struct Deaths {
 }
 
 impl Crew {
-    /// Starts workers for a coordinator. `evaluated` must rise with what the coordinator records.
-    pub(crate) fn start(count: u16, coordinator: &str, evaluated: Arc<AtomicU64>) -> std::io::Result<Crew> {
+    /// Starts workers for a coordinator.
+    pub(crate) fn start(count: u16, coordinator: &str) -> Crew {
         let arguments = ["worker", "--leashed", "--slots", "1", "--coordinator", coordinator];
-        Crew::start_program(own_executable()?, arguments.map(OsString::from).to_vec(), count, evaluated)
+        Crew::start_program(own_executable(), arguments.map(OsString::from).to_vec(), count)
     }
 
-    fn start_program(
-        program: OsString,
-        arguments: Vec<OsString>,
-        count: u16,
-        evaluated: Arc<AtomicU64>,
-    ) -> std::io::Result<Crew> {
+    fn start_program(program: OsString, arguments: Vec<OsString>, count: u16) -> Crew {
         let (sender, news) = mpsc::channel(64);
         let roster = Arc::new(Roster {
             program,
             arguments,
-            evaluated,
+            evaluated: AtomicU64::new(0),
             deaths: Mutex::default(),
             // A genotype that kills its workers is set aside after three, and every worker may have one such
             // at once: only beyond that is it the workers' own fault.
@@ -84,10 +80,14 @@ impl Crew {
         });
         let mut members = JoinSet::new();
         for number in 1..=count {
-            let first = roster.spawn()?;
-            members.spawn(member(number, first, roster.clone()));
+            members.spawn(member(number, roster.clone()));
         }
-        Ok(Crew { news, _members: members })
+        Crew { roster, news, _members: members }
+    }
+
+    /// Takes note of how many evaluations are on file by now.
+    pub(crate) fn evaluated(&self, count: u64) {
+        self.roster.evaluated.store(count, Ordering::Relaxed);
     }
 
     /// What the crew says next. Pending for ever once nobody is left to say anything.
@@ -100,44 +100,39 @@ impl Crew {
 }
 
 /// This executable, also after its file has been replaced: a worker of another release would be refused.
-fn own_executable() -> std::io::Result<OsString> {
-    let running = std::path::Path::new("/proc/self/exe");
-    if running.exists() { Ok(running.into()) } else { Ok(std::env::current_exe()?.into()) }
+fn own_executable() -> OsString {
+    let named = std::env::current_exe().ok().filter(|path| path.exists());
+    named.map_or_else(|| "/proc/self/exe".into(), OsString::from)
 }
 
 /// Keeps one place of the crew filled.
-async fn member(number: u16, first: Child, roster: Arc<Roster>) {
-    let mut child = first;
+async fn member(number: u16, roster: Arc<Roster>) {
     let mut wait = BACKOFF_MIN;
     loop {
         let born = Instant::now();
-        let (status, last_words) = attend(child).await;
-        let mut cause = cause(status, &last_words);
+        let end = match roster.spawn() {
+            Ok(child) => attend(child).await,
+            Err(error) => format!("cannot be started: {error}"),
+        };
+        if roster.gives_up() {
+            // The first member that says so ends the run; the others may find nobody listening.
+            let _ = roster.news.try_send(News::Lost(format!("worker {number} {end}")));
+            return;
+        }
         if born.elapsed() >= LIFE_MIN {
             wait = BACKOFF_MIN;
         }
-        child = loop {
-            if roster.gives_up() {
-                // The first member that says so ends the run; the others may find nobody listening.
-                let _ = roster.news.try_send(News::Lost(format!("worker {number} {cause}")));
-                return;
-            }
-            let text = format!("worker {number} {cause}; started again in {:.1} s", wait.as_secs_f64());
-            tracing::warn!("{text}");
-            // Words beyond what anybody takes in are dropped; the log has them.
-            let _ = roster.news.try_send(News::Restarted(text));
-            tokio::time::sleep(wait).await;
-            wait = (wait * 2).min(BACKOFF_MAX);
-            match roster.spawn() {
-                Ok(child) => break child,
-                Err(error) => cause = format!("cannot be started: {error}"),
-            }
-        };
+        let text = format!("worker {number} {end}; started again in {:.1} s", wait.as_secs_f64());
+        tracing::info!("{text}");
+        // Words beyond what anybody takes in are dropped; the log has them.
+        let _ = roster.news.try_send(News::Restarted(text));
+        tokio::time::sleep(wait).await;
+        wait = (wait * 2).min(BACKOFF_MAX);
     }
 }
 
-/// Waits for a worker's end, with its last words.
-async fn attend(mut child: Child) -> (std::io::Result<ExitStatus>, VecDeque<String>) {
+/// Waits for a worker's end, and says how it came, with the worker's last words.
+async fn attend(mut child: Child) -> String {
     // The leash: it closes when this process ends, however it ends, or when the worker has gone.
     let leash = child.stdin.take();
     let mut last_words = VecDeque::new();
@@ -149,7 +144,7 @@ async fn attend(mut child: Child) -> (std::io::Result<ExitStatus>, VecDeque<Stri
                 // A log that cannot be written is not worth a run.
                 let _ = tokio::io::stderr().write_all(format!("{line}\n").as_bytes()).await;
             }
-            last_words.push_back(line);
+            last_words.push_back(line.trim().to_owned());
             if last_words.len() > LAST_WORDS {
                 last_words.pop_front();
             }
@@ -157,22 +152,19 @@ async fn attend(mut child: Child) -> (std::io::Result<ExitStatus>, VecDeque<Stri
     }
     let status = child.wait().await;
     drop(leash);
-    (status, last_words)
+    let mut end = match status {
+        Ok(status) => format!("ended ({status})"),
+        Err(error) => format!("was lost ({error})"),
+    };
+    for (place, words) in last_words.iter().enumerate() {
+        end.push_str(if place == 0 { ": " } else { " / " });
+        end.push_str(words);
+    }
+    end
 }
 
 fn is_log_wanted() -> bool {
     std::env::var_os("HATCHERY_LOG").is_some_and(|value| !value.is_empty())
-}
-
-fn cause(status: std::io::Result<ExitStatus>, last_words: &VecDeque<String>) -> String {
-    let how = match status {
-        Ok(status) => format!("ended ({status})"),
-        Err(error) => format!("was lost ({error})"),
-    };
-    if last_words.is_empty() {
-        return how;
-    }
-    format!("{how}: {}", last_words.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" / "))
 }
 
 impl Roster {
@@ -209,35 +201,40 @@ impl Roster {
 mod tests {
     use super::*;
 
-    fn crew(script: &str, evaluated: &Arc<AtomicU64>) -> Crew {
-        let arguments = ["-c", script].map(OsString::from).to_vec();
-        Crew::start_program("/bin/sh".into(), arguments, 1, evaluated.clone()).unwrap()
+    fn crew(script: &str) -> Crew {
+        Crew::start_program("/bin/sh".into(), ["-c", script].map(OsString::from).to_vec(), 1)
+    }
+
+    /// Restarts until the crew gives up, and why.
+    async fn end(mut crew: Crew) -> (u32, String) {
+        let mut restarts = 0;
+        loop {
+            match crew.news().await {
+                News::Restarted(_) => restarts += 1,
+                News::Lost(why) => return (restarts, why),
+            }
+        }
     }
 
     #[tokio::test(start_paused = true)]
     async fn a_crew_that_only_dies_gives_up_and_tells_the_last_words() {
-        let mut crew = crew("echo no such library >&2; exit 3", &Arc::default());
-        let mut restarts = 0;
-        let lost = loop {
-            match crew.news().await {
-                News::Restarted(_) => restarts += 1,
-                News::Lost(why) => break why,
-            }
-        };
+        let (restarts, why) = end(crew("echo no such library >&2; exit 3")).await;
         assert_eq!(restarts, 8);
-        assert!(
-            lost.contains("worker 1 ended") && lost.contains("3") && lost.contains("no such library"),
-            "{lost}"
-        );
+        assert!(why.contains("worker 1 ended") && why.contains("3): no such library"), "{why}");
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_crew_that_cannot_be_started_gives_up_as_well() {
+        let (_, why) = end(Crew::start_program("/no/such/program".into(), vec![], 2)).await;
+        assert!(why.contains("cannot be started"), "{why}");
     }
 
     #[tokio::test(start_paused = true)]
     async fn deaths_between_which_something_is_evaluated_are_not_in_vain() {
-        let evaluated = Arc::new(AtomicU64::new(0));
-        let mut crew = crew("exit 1", &evaluated);
-        for _ in 0..30 {
+        let mut crew = crew("exit 1");
+        for evaluated in 1..=30 {
             assert!(matches!(crew.news().await, News::Restarted(_)));
-            evaluated.fetch_add(1, Ordering::Relaxed);
+            crew.evaluated(evaluated);
         }
     }
 
@@ -245,7 +242,7 @@ mod tests {
     async fn a_worker_ends_with_the_crew() {
         let folder = tempfile::tempdir().unwrap();
         let pid_file = folder.path().join("pid");
-        let crew = crew(&format!("echo $$ > {}; exec sleep 600", pid_file.display()), &Arc::default());
+        let crew = crew(&format!("echo $$ > {}; exec sleep 600", pid_file.display()));
         let pid = loop {
             match std::fs::read_to_string(&pid_file) {
                 Ok(text) if text.ends_with('\n') => break text.trim().to_owned(),

@@ -6,14 +6,14 @@ mod summary;
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use anyhow::anyhow;
-use coordinator::Config;
+use coordinator::scheduler::Summary;
+use coordinator::{Config, Running};
 use proto::v1::watch_event::What;
 use proto::v1::{ControlRequest, SubmitReply, SubmitRequest};
+use tokio::sync::watch as latest;
 
 use super::{check, read_experiment, watch};
 use crate::arguments::Run;
@@ -33,33 +33,27 @@ pub(super) async fn run(mut arguments: Run, output: Output) -> Result<(), Failur
     check::parse(&arguments.file, &text, &arguments.overrides)?;
     let coordinator = coordinator::start(Config::embedded(arguments.db.clone()));
     let coordinator = coordinator.await.map_err(anyhow::Error::new)?;
-    let address = format!("http://{}", coordinator.address());
-    let evaluated = Arc::new(AtomicU64::new(0));
-    let done = match Crew::start(workers(&arguments), &address, evaluated.clone()) {
-        Ok(mut crew) => {
-            let done = tokio::select! {
-                done = conduct(&arguments, text, &address, &mut crew, &evaluated, output) => done,
-                () = signals.first() => Err(Failure::Interrupted(format!(
-                    "interrupted; what was evaluated is in {}, and this goes on with it: {}",
-                    arguments.db.display(),
-                    again(&arguments)
-                ))),
-            };
-            let done = match done {
-                Ok(conducted) => summary::gather(&conducted, &arguments.db, begun.elapsed()).await,
-                Err(failure) => Err(failure),
-            };
-            // The workers go last: a worker that is lost while the coordinator looks on is a suspicion.
-            coordinator.shutdown().await;
-            drop(crew);
-            done
-        }
-        Err(error) => {
-            coordinator.shutdown().await;
-            Err(anyhow::Error::new(error).context("cannot start the workers").into())
-        }
+    let mut crew = Crew::start(workers(&arguments), &address(&coordinator));
+    let done = tokio::select! {
+        done = conduct(&arguments, text, &coordinator, &mut crew, output) => done,
+        () = signals.first() => Err(Failure::Interrupted(format!(
+            "interrupted; what was evaluated is in {}, and this goes on with it: {}",
+            arguments.db.display(),
+            again(&arguments)
+        ))),
     };
-    summary::show(&done?, output)
+    let summary = match done {
+        Ok(conducted) => summary::gather(&conducted, &arguments.db, begun.elapsed()).await,
+        Err(failure) => Err(failure),
+    };
+    // The workers go last: one that is lost while the coordinator looks on is a suspicion.
+    coordinator.shutdown().await;
+    drop(crew);
+    summary::show(&summary?, output)
+}
+
+fn address(coordinator: &Running) -> String {
+    format!("http://{}", coordinator.address())
 }
 
 /// An experiment that has ended, and the connection that knows it.
@@ -76,12 +70,14 @@ struct Conducted {
 async fn conduct(
     arguments: &Run,
     text: String,
-    address: &str,
+    coordinator: &Running,
     crew: &mut Crew,
-    evaluated: &AtomicU64,
     output: Output,
 ) -> Result<Conducted, Failure> {
-    let connection = Connection::open(&Source::Coordinator(address.to_owned())).await?;
+    let address = address(coordinator);
+    let connection = Connection::open(&Source::Coordinator(address.clone())).await?;
+    let mut progress = Progress::new(output);
+    await_worker(coordinator.driver().fleet().summary(), crew, &mut progress).await?;
     let submitted = submit(&connection, arguments, text).await?;
     let first = submitted.experiments.first().ok_or_else(|| anyhow!("the file makes no experiment"))?;
     let group = first.group.clone();
@@ -91,7 +87,6 @@ async fn conduct(
         connection.experiments().resume(request).await?;
     }
 
-    let mut progress = Progress::new(output);
     let workers = match workers(arguments) {
         1 => "1 worker".to_owned(),
         workers => format!("{workers} workers"),
@@ -105,7 +100,7 @@ async fn conduct(
                 Some(event) => {
                     if let Some(What::Progress(of)) = &event.what {
                         marks.insert(event.experiment, of.evaluated);
-                        evaluated.store(marks.values().sum(), Ordering::Relaxed);
+                        crew.evaluated(marks.values().sum());
                     }
                     progress.show(&event)?;
                 }
@@ -113,12 +108,7 @@ async fn conduct(
             },
             news = crew.news() => match news {
                 News::Restarted(text) => progress.say(&text)?,
-                News::Lost(why) => {
-                    return Err(anyhow!(
-                        "the workers die without evaluating anything: {why}; HATCHERY_LOG=debug shows more"
-                    )
-                    .into());
-                }
+                News::Lost(why) => return Err(lost(&why)),
             },
         }
     }
@@ -126,6 +116,28 @@ async fn conduct(
     watch::verdict(progress.experiments())?;
     let experiments = submitted.experiments.iter().map(|experiment| experiment.id).collect();
     Ok(Conducted { connection, experiments, group })
+}
+
+/// Waits until a worker has attached, so that a run does not begin with the word that there is none.
+async fn await_worker(
+    mut fleet: latest::Receiver<Summary>,
+    crew: &mut Crew,
+    progress: &mut Progress,
+) -> Result<(), Failure> {
+    loop {
+        tokio::select! {
+            // A fleet that is gone is told of by the next call.
+            _ = fleet.wait_for(|fleet| fleet.slots > 0) => return Ok(()),
+            news = crew.news() => match news {
+                News::Restarted(text) => progress.say(&text)?,
+                News::Lost(why) => return Err(lost(&why)),
+            },
+        }
+    }
+}
+
+fn lost(why: &str) -> Failure {
+    anyhow!("the workers die without evaluating anything: {why}; HATCHERY_LOG=debug shows more").into()
 }
 
 async fn submit(connection: &Connection, arguments: &Run, text: String) -> Result<SubmitReply, Failure> {

@@ -14,11 +14,22 @@ use super::curves::{Curve, Point};
 
 const PANEL_WIDTH: u32 = 480;
 const PANEL_HEIGHT: u32 = 320;
+const HEADING_HEIGHT: u32 = 34;
+const LABELS_WIDTH: u32 = 56;
+/// The room of one line's name in a heading.
+const LEGEND_WIDTH: i32 = 66;
 /// Panels a side at most: a picture beyond that can neither be read nor held in memory.
 const PANELS_MAX: usize = 32;
 
 /// Colours that stay apart for the colour-blind (Okabe and Ito), best, mean and worst.
 const COLOURS: [RGBColor; 3] = [RGBColor(0, 114, 178), RGBColor(230, 159, 0), RGBColor(86, 86, 86)];
+
+/// A line's name and its value at a point.
+type Line = (&'static str, fn(&Point) -> f64);
+
+/// What is drawn of a cell.
+const LINES: [Line; 3] =
+    [("best", |point| point.best), ("mean", |point| point.mean), ("worst", |point| point.worst)];
 
 /// Draws the curves into `curves.png` and `curves.svg` in a folder, which is made if it is not there.
 ///
@@ -112,12 +123,13 @@ impl<'a> Grid<'a> {
         let top = points().map(|point| point.best).fold(f64::NEG_INFINITY, f64::max);
         let bottom = points().map(|point| point.worst).fold(0.0, f64::min);
         let top = if top > bottom { top + 0.05 * (top - bottom) } else { bottom + 1.0 };
+        heading(panel, caption)?;
         let mut chart = ChartBuilder::on(panel)
-            .caption(caption, ("sans-serif", 20))
             .margin(10)
+            .margin_top(HEADING_HEIGHT)
             .x_label_area_size(36)
-            .y_label_area_size(56)
-            .build_cartesian_2d(1.0..last as f64, bottom..top)?;
+            .y_label_area_size(LABELS_WIDTH)
+            .build_cartesian_2d(1..last, bottom..top)?;
         chart
             .configure_mesh()
             .light_line_style(WHITE)
@@ -126,32 +138,31 @@ impl<'a> Grid<'a> {
             .y_desc("fitness")
             .label_style(("sans-serif", 14))
             .axis_desc_style(("sans-serif", 15))
-            .x_label_formatter(&|x| format!("{x:.0}"))
             .draw()?;
-        type Line = (&'static str, fn(&Point) -> f64);
-        let lines: [Line; 3] =
-            [("best", |point| point.best), ("mean", |point| point.mean), ("worst", |point| point.worst)];
-        for ((name, of), colour) in lines.into_iter().zip(COLOURS) {
-            for (place, curve) in of_cell.iter().enumerate() {
-                let line = curve.points.iter().map(|point| (point.generation as f64, of(point)));
-                let drawn = chart.draw_series(LineSeries::new(line, colour.stroke_width(2)))?;
-                if place == 0 {
-                    drawn.label(name).legend(move |(x, y)| {
-                        PathElement::new([(x, y), (x + 16, y)], colour.stroke_width(2))
-                    });
-                }
+        for ((_, of), colour) in LINES.into_iter().zip(COLOURS) {
+            for curve in of_cell {
+                let line = curve.points.iter().map(|point| (point.generation, of(point)));
+                chart.draw_series(LineSeries::new(line, colour.stroke_width(2)))?;
             }
-        }
-        if of_cell.iter().any(|curve| !curve.points.is_empty()) {
-            chart
-                .configure_series_labels()
-                .position(SeriesLabelPosition::UpperLeft)
-                .background_style(WHITE.mix(0.8))
-                .label_font(("sans-serif", 14))
-                .draw()?;
         }
         Ok(())
     }
+}
+
+/// The cell's name to the left and what the lines are to the right, where no curve can run behind them.
+fn heading<B: DrawingBackend>(panel: &DrawingArea<B, Shift>, caption: &str) -> anyhow::Result<()>
+where
+    B::ErrorType: 'static,
+{
+    let left = (LABELS_WIDTH + 10) as i32;
+    panel.draw(&Text::new(caption.to_owned(), (left, 8), ("sans-serif", 19)))?;
+    let mut x = PANEL_WIDTH as i32 - 10 - LEGEND_WIDTH * LINES.len() as i32;
+    for ((name, _), colour) in LINES.into_iter().zip(COLOURS) {
+        panel.draw(&PathElement::new([(x, 18), (x + 16, 18)], colour.stroke_width(2)))?;
+        panel.draw(&Text::new(name, (x + 21, 13), ("sans-serif", 14)))?;
+        x += LEGEND_WIDTH;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -144,7 +144,7 @@ pub(crate) fn report(cells: &[Cell]) -> Report {
             for cell in of_place {
                 let curve = curve(cell);
                 rows.push(CellRow::of(cell, &curve));
-                notes.extend(unfinished(cell));
+                notes.extend(lack(cell, methods.len() > 1));
                 curves.push(curve);
             }
         }
@@ -267,10 +267,13 @@ impl PaperTest {
     }
 }
 
-/// What keeps the cell from its full number of runs, or from a test.
-fn unfinished(cell: &Cell) -> Option<String> {
+/// What keeps the cell from its full number of runs, or from a test where there is one.
+fn lack(cell: &Cell, is_tested: bool) -> Option<String> {
     let finished = cell.finished().count();
     let place = format!("{} {}", cell.body, cell.method);
+    if finished == cell.planned && finished < 2 && is_tested {
+        return Some(format!("{place}: a test takes two runs or more"));
+    }
     (finished < cell.planned).then(|| {
         format!("{place}: {} of {} runs unfinished, left out", cell.planned - finished, cell.planned)
     })
@@ -438,6 +441,13 @@ mod tests {
         let culled = report(&culled);
         assert_eq!((culled.tests[0].verdict.as_deref(), &culled.tests[0].paper), (Some("grn"), &None));
         assert_eq!(culled.agreement, None);
+    }
+
+    #[test]
+    fn a_matrix_of_single_runs_is_finished_and_yet_not_complete() {
+        let report = report(&[finished("arm", "grn", &[1.0]), finished("arm", "neat", &[2.0])]);
+        assert!(!report.complete);
+        assert_eq!(report.notes[0], "arm grn: a test takes two runs or more");
     }
 
     #[test]

@@ -29,8 +29,12 @@ fn heading(report: &Report) -> String {
     let mut parts = vec![
         format!("{plural}: {}", report.methods.join(" against ")),
         format!(
-            "{} runs x {} generations x {}",
-            number(report.runs.map(|n| n.to_string())),
+            "{} x {} generations x {}",
+            report.runs.map_or("? runs".to_owned(), |n| if n == 1 {
+                "1 run".to_owned()
+            } else {
+                format!("{n} runs")
+            }),
             number(report.generations.map(|n| n.to_string())),
             number(report.population.map(|n| n.to_string()))
         ),

@@ -72,6 +72,11 @@ pub(crate) fn progress(experiment: u64, name: &str, of: &v1::Progress) -> Value 
     })
 }
 
+/// A word to people, as an event.
+pub(crate) fn note(text: &str) -> Value {
+    json!({ "event": "note", "text": text })
+}
+
 /// A worker.
 pub(crate) fn worker(of: &v1::WorkerInfo) -> Value {
     json!({

@@ -68,11 +68,11 @@ impl Progress {
         Ok(())
     }
 
-    /// A word beside the bars.
+    /// A word beside the bars; with `--json` an event of its own.
     pub(crate) fn say(&self, text: &str) -> Result<(), Failure> {
         match &self.bars {
             Some(bars) => Ok(bars.all.println(text)?),
-            None if self.output.json => Ok(()),
+            None if self.output.json => self.output.object(&json::note(text)),
             None => self.output.line(text),
         }
     }
