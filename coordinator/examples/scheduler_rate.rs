@@ -4,9 +4,7 @@
 
 use bytes::Bytes;
 use coordinator::fleet::{Evaluation, TaskText};
-use coordinator::scheduler::{
-    AttemptId, Hello, Limits, Millis, News, Order, Report, Scheduler, WorkerId,
-};
+use coordinator::scheduler::{AttemptId, Hello, Limits, Millis, News, Order, Report, Scheduler, WorkerId};
 use creatures::{Outcome, Status};
 use std::sync::Arc;
 use std::time::Instant;
@@ -66,10 +64,9 @@ fn rate(workers: u32, queues: usize) -> f64 {
             for order in scheduler.dispatch(now) {
                 match order {
                     Order::Tell { worker, assigned, .. } => {
-                        let attempts = assigned.into_iter().map(|one| AttemptId {
-                            evaluation: one.evaluation.id,
-                            number: one.number,
-                        });
+                        let attempts = assigned
+                            .into_iter()
+                            .map(|one| AttemptId { evaluation: one.evaluation.id, number: one.number });
                         held.push((worker, attempts.collect()));
                     }
                     Order::Deliver { settled, .. } => settled_count += settled.len(),

@@ -75,7 +75,7 @@ impl Scheduler {
     /// Hands the longest outstanding evaluations to idle slots as well. One that waits behind others has only
     /// to have waited for a moment; one that runs must have run for longer than most of its queue.
     fn duplicate_stragglers(&mut self, now: Millis) {
-        if !self.free.first().is_some_and(|&(load, _)| load < Load::BUSY) {
+        if self.free.first().is_none_or(|&(load, _)| load >= Load::BUSY) {
             return;
         }
         let mut stragglers = Vec::new();

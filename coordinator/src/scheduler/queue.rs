@@ -117,7 +117,7 @@ mod tests {
     #[test]
     fn durations_are_those_of_late() {
         let mut durations = Durations::default();
-        [9.0, 1.0].map(|seconds| durations.observe(seconds));
+        [9.0, 1.0].into_iter().for_each(|seconds| durations.observe(seconds));
         assert_eq!(durations.median(), None);
         durations.observe(2.0);
         assert_eq!((durations.median(), durations.mean()), (Some(2.0), 4.0));
