@@ -51,7 +51,8 @@ CREATE TABLE stage (
     name        TEXT    NOT NULL,
     seed        INTEGER NOT NULL,                                -- of the run
     generations INTEGER,                                         -- how many it takes, when known
-    measures    TEXT CHECK (json_type(measures) = 'array'),      -- names, in the order of outcome.measures
+    traits      TEXT CHECK (json_type(traits) = 'array'),        -- their names, in the order of individual.traits
+    measures    TEXT CHECK (json_type(measures) = 'array'),      -- their names, in the order of outcome.m0, m1, …
     begun_ms    INTEGER NOT NULL,
     ended_ms    INTEGER,
     UNIQUE (experiment, run, number)
@@ -92,7 +93,8 @@ CREATE TABLE individual (
     id         INTEGER PRIMARY KEY,
     generation INTEGER NOT NULL REFERENCES generation (id),
     operator   INTEGER NOT NULL REFERENCES word (id),
-    traits     TEXT    NOT NULL,                                 -- a flat JSON object
+    traits     TEXT    NOT NULL,                                 -- JSON: an array of values for the names in stage.traits,
+                                                                 -- or an object with names of its own
     inherits   INTEGER REFERENCES individual (id)                -- whose outcome it takes over
 ) STRICT;
 
@@ -112,7 +114,7 @@ CREATE INDEX parent_children ON parent (parent);
 -- if there is a base. A chain of bases has at most 16 links.
 CREATE TABLE genotype (
     individual INTEGER PRIMARY KEY REFERENCES individual (id),
-    digest     BLOB    NOT NULL CHECK (length(digest) = 32),     -- BLAKE3 of the genotype
+    digest     BLOB    NOT NULL CHECK (length(digest) = 16),     -- the first half of its BLAKE3
     base       INTEGER REFERENCES genotype (individual),
     size       INTEGER NOT NULL,
     bytes      BLOB    NOT NULL CHECK (length(bytes) <= size)
@@ -125,14 +127,17 @@ CREATE TABLE outcome (
     fitness         REAL,                                        -- NULL where it is not a number, and for failed
     fitness_bits    INTEGER,                                     -- its IEEE 754 bits; NULL for failed
     steps           INTEGER NOT NULL,
-    measures        TEXT,                                        -- JSON array in the order of stage.measures
     interim_step    INTEGER,
     interim_measure REAL,
     verdict         INTEGER REFERENCES word (id),                -- on the interim report: pass, cull, spare
     note            TEXT,
     attempt         INTEGER,                                     -- NULL: inherited, or failed
     worker          INTEGER REFERENCES worker (id),
-    micros          INTEGER                                      -- spent by the worker, for statistics alone
+    micros          INTEGER,                                     -- spent by the worker, for statistics alone
+    -- What was measured: in columns, since as text it would weigh more than all the rest. Nothing stands in m0
+    -- if nothing was measured, or if it does not fit: too many, NaN or −0, other names than the stage's.
+    m0 REAL, m1 REAL, m2 REAL, m3 REAL, m4 REAL, m5 REAL, m6 REAL, m7 REAL, m8 REAL, m9 REAL, m10 REAL, m11 REAL,
+    measures        TEXT CHECK (json_type(measures) = 'array')   -- what does not fit: pairs of name and value
 ) STRICT;
 
 -- Attempts that did not count: lost, failed, or too late.

@@ -14,15 +14,20 @@ SELECT
     coalesce(status.text, 'pending') AS status,
     o.fitness,
     o.fitness_bits,
-    i.traits,
-    -- An object of names and values. The names stand once in the stage; an outcome that measured something
-    -- else carries pairs of its own.
+    -- Names stand once in the stage; an individual with others carries its own.
+    CASE json_type(i.traits) WHEN 'object' THEN i.traits ELSE
+        (SELECT json_group_object(n.value, i.traits -> n.key) FROM json_each(s.traits) AS n)
+    END AS traits,
     CASE
-        WHEN o.measures IS NULL THEN NULL
-        WHEN json_type(o.measures, '$[0]') = 'array' THEN
-            (SELECT json_group_object(m.value ->> 0, m.value -> 1) FROM json_each(o.measures) AS m)
-        ELSE
-            (SELECT json_group_object(m.value, o.measures -> m.key) FROM json_each(s.measures) AS m)
+        WHEN o.m0 IS NOT NULL THEN (
+            SELECT json_group_object(n.value, CASE n.key
+                WHEN 0 THEN o.m0 WHEN 1 THEN o.m1 WHEN 2 THEN o.m2 WHEN 3 THEN o.m3
+                WHEN 4 THEN o.m4 WHEN 5 THEN o.m5 WHEN 6 THEN o.m6 WHEN 7 THEN o.m7
+                WHEN 8 THEN o.m8 WHEN 9 THEN o.m9 WHEN 10 THEN o.m10 WHEN 11 THEN o.m11
+            END) FROM json_each(s.measures) AS n)
+        WHEN o.measures IS NOT NULL THEN
+            (SELECT json_group_object(n.value ->> 0, n.value -> 1) FROM json_each(o.measures) AS n)
+        WHEN o.fitness_bits IS NOT NULL THEN '{}'
     END AS measures,
     o.steps,
     o.interim_step,
@@ -102,12 +107,11 @@ ranked AS (
         row_number() OVER (PARTITION BY l.stage ORDER BY l.fitness DESC, l.individual) AS rank
     FROM leader AS l JOIN stage AS s ON s.id = l.stage
 )
-SELECT r.experiment, e.name AS experiment_name, r.run, r.stage, g.number AS generation, i.id - g.first AS idx,
-    r.individual, r.fitness, i.traits
+SELECT r.experiment, e.name AS experiment_name, r.run, r.stage, i.generation, i.idx, r.individual, r.fitness,
+    i.traits
 FROM ranked AS r
 JOIN experiment AS e ON e.id = r.experiment
-JOIN individual AS i ON i.id = r.individual
-JOIN generation AS g ON g.id = i.generation
+JOIN v_individuals AS i ON i.id = r.individual
 WHERE r.rank = 1;
 
 -- Stages, with how far they are.

@@ -11,7 +11,7 @@ pub fn open_loop(body: BodyKind, time: f64) -> Vec<f64> {
         BodyKind::Arm => {
             let a = TAU * 2.47 * time;
             let limb = |a: f64| [0.81 - 0.05 * a.sin(), -0.18 * (a + 1.09).sin(), -0.45 * (a + 4.07).sin()];
-            [limb(a), limb(a + 3.14)].concat()
+            [limb(a), limb(a + std::f64::consts::PI)].concat()
         }
         BodyKind::Hopper => {
             let cycles = 3.26 * time;

@@ -1,5 +1,7 @@
 //! The binary as a user meets it before any experiment runs: usage, exit codes, `check`, completions.
 
+#![allow(clippy::unwrap_used, reason = "a test that unwraps says where it failed")]
+
 use assert_cmd::Command;
 use tempfile::TempDir;
 

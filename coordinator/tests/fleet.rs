@@ -1,5 +1,7 @@
 //! The fleet over real streams on loopback: workers that are in the hands of each test, word by word.
 
+#![allow(clippy::unwrap_used, reason = "a test that unwraps says where it failed")]
+
 use bytes::Bytes;
 use coordinator::fleet::{Evaluation, Fate, Fleet, FleetSettings, Queue, QueueOutput, Settled, TaskText};
 use coordinator::service;

@@ -28,6 +28,9 @@ pub enum RestoreError {
         /// The kind that was to be restored.
         expected: &'static str,
     },
+    /// Well-formed, but no state that this search can be in: made with other settings, or damaged.
+    #[error("checkpoint does not fit its search: {0}")]
+    Unfit(&'static str),
     /// It holds a genotype that is not legal.
     #[error("checkpoint holds an illegal genotype at index {index}")]
     Genotype {
@@ -50,7 +53,7 @@ pub(crate) fn write<T: Serialize>(kind: &str, state: &T) -> Vec<u8> {
 /// Reads the state of a kind of search.
 ///
 /// # Errors
-/// All of [`RestoreError`] but `Genotype`, which is the search's to raise.
+/// All of [`RestoreError`] but `Unfit` and `Genotype`, which are the search's to raise.
 pub(crate) fn read<T: DeserializeOwned>(kind: &'static str, bytes: &[u8]) -> Result<T, RestoreError> {
     let malformed = |error: ciborium::de::Error<std::io::Error>| RestoreError::Malformed(error.to_string());
     // The state is read only once its version and kind are known to be ours.
@@ -63,6 +66,14 @@ pub(crate) fn read<T: DeserializeOwned>(kind: &'static str, bytes: &[u8]) -> Res
         return Err(RestoreError::Kind { found, expected: kind });
     }
     state.deserialized().map_err(|error| RestoreError::Malformed(error.to_string()))
+}
+
+/// Checks what a state must be like, so that nobody who goes on from it checks again.
+///
+/// # Errors
+/// What is not so.
+pub(crate) fn require(holds: bool, otherwise: &'static str) -> Result<(), RestoreError> {
+    if holds { Ok(()) } else { Err(RestoreError::Unfit(otherwise)) }
 }
 
 /// Canonical bytes of a genotype inside a checkpoint; CBOR writes them as one string of bytes.

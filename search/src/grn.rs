@@ -1,7 +1,7 @@
 //! The genetic algorithm of the gene regulatory networks: tournaments, an elite, one-point crossover, one
 //! mutation (G-22..G-28). How a genotype varies is `creatures`' business; who breeds is decided here.
 
-use crate::checkpoint::{self, RestoreError};
+use crate::checkpoint::{self, RestoreError, require};
 use crate::inheritance::{Scored, inherited};
 use crate::registry::Plan;
 use crate::settings::{self, GENERATIONS, POPULATION, check, read_joined, within, write_joined};
@@ -132,7 +132,11 @@ impl Plan for Settings {
                 .map_err(|source| RestoreError::Genotype { index, source })?;
             Ok(Member { genotype, scored })
         };
-        let population = scored.into_iter().enumerate().map(member).collect::<Result<_, _>>()?;
+        let population: Vec<Member> = scored.into_iter().enumerate().map(member).collect::<Result<_, _>>()?;
+        let size = if generation == 0 { 0 } else { self.population as usize };
+        require(population.len() == size, "its population has another size")?;
+        let same_body = population.iter().all(|member| member.genotype.body == self.body);
+        require(same_body, "its population has another body")?;
         Ok(Box::new(Genetic { settings: self.clone(), seed, stage, generation, population, asked: None }))
     }
 }

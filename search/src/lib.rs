@@ -25,7 +25,8 @@ use serde::{Deserialize, Serialize};
 
 /// One published algorithm at work on one stage: ask / tell.
 ///
-/// The driver alternates [`Search::ask`] and [`Search::tell`], starting with `ask`. The order of
+/// The driver alternates [`Search::ask`] and [`Search::tell`], starting with `ask`: searches are strictly
+/// generational, and a missing outcome blocks rather than being guessed (walker G-76). The order of
 /// individuals is the contract: outcome `i` belongs to individual `i`.
 pub trait Search: Send {
     /// The individuals of the next generation in order of index; empty when the search is over.

@@ -1,9 +1,10 @@
-//! The binaries under test: those of this workspace, built once a test process with the profile of the tests
-//! themselves, so that they are never stale; or, with `HATCHERY_BIN_DIR`, those of a folder, built beforehand.
+//! The binaries under test: those of this workspace, built with the profile of the tests themselves and never
+//! stale; or, with `HATCHERY_BIN_DIR`, those of a folder, built beforehand.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
+use std::time::SystemTime;
 
 /// The folder of the workspace.
 pub fn workspace() -> &'static Path {
@@ -26,26 +27,41 @@ pub fn program(name: &str) -> PathBuf {
     path
 }
 
-/// Builds every binary and gives the folder that holds them.
+/// The folder of the binaries, after building what is not there or older than its sources.
 ///
-/// The workspace is built whole with its test targets, because that is the selection of `cargo test
-/// --workspace`: the same features, so nothing is compiled again.
+/// `cargo test --workspace` has built them all; a test of this crate alone may find them stale.
 fn build() -> PathBuf {
-    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.current_dir(workspace()).args(["build", "--quiet", "--offline", "--bins"]);
-    cargo.args(["-p", "hatchery", "-p", "coordinator", "-p", "worker", "-p", "hatchery-tests"]);
-    if !cfg!(debug_assertions) {
-        cargo.arg("--release");
-    }
-    let status = cargo.status().expect("cargo runs these tests, so it can be started");
-    assert!(status.success(), "the binaries do not build");
     // Tests lie in `target/PROFILE/deps/`, benches in `target/PROFILE/`.
     let own = std::env::current_exe().expect("a running program has a path");
     let folder = own.parent().expect("a program lies in a folder");
-    if folder.ends_with("deps") {
-        folder.parent().expect("deps is a folder of the profile's")
-    } else {
-        folder
+    let folder = if folder.ends_with("deps") { folder.parent().expect("deps has a parent") } else { folder };
+    let sources = CRATES.iter().map(|name| newest(&workspace().join(name))).max().flatten();
+    let fresh = |name: &&str| modified(&folder.join(name)) >= sources;
+    if !PROGRAMS.iter().all(fresh) {
+        let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+        cargo.current_dir(workspace()).args(["build", "--quiet", "--bins"]);
+        cargo.args(["-p", "hatchery", "-p", "coordinator", "-p", "worker", "-p", "hatchery-tests"]);
+        if !cfg!(debug_assertions) {
+            cargo.arg("--release");
+        }
+        let status = cargo.status().expect("cargo runs these tests, so it can be started");
+        assert!(status.success(), "the binaries do not build");
     }
-    .to_owned()
+    folder.to_owned()
+}
+
+const PROGRAMS: [&str; 4] = ["hatchery", "hatchery-coordinator", "hatchery-worker", "fragile-worker"];
+
+/// What the programs are made of.
+const CRATES: [&str; 9] =
+    ["creatures", "search", "proto", "coordinator", "worker", "cli", "migrations", "tests/src", "Cargo.lock"];
+
+fn modified(path: &Path) -> Option<SystemTime> {
+    path.metadata().and_then(|metadata| metadata.modified()).ok()
+}
+
+/// When the youngest file under a path was written.
+fn newest(path: &Path) -> Option<SystemTime> {
+    let Ok(entries) = std::fs::read_dir(path) else { return modified(path) };
+    entries.flatten().map(|entry| newest(&entry.path())).max().flatten()
 }

@@ -7,6 +7,7 @@ pub fn probe(seed: u64, population: u32, generations: u32, work: u32) -> String 
 name = "probe"
 system = "probe"
 seed = {seed}
+runs = 1
 
 [task]
 work = {work}
@@ -27,6 +28,7 @@ pub fn walkers(body: &str, kind: &str, seed: u64, population: u32, generations: 
 name = "{body}-{kind}"
 system = "walker"
 seed = {seed}
+runs = 1
 
 [task]
 body = "{body}"
@@ -40,7 +42,8 @@ generations = {generations}
     )
 }
 
-/// The same, culled a quarter of the way: a fifth of those that stand worst against the previous generation.
+/// The same in six runs, culled a quarter of the way: a fifth of those that stand worst against the previous generation.
 pub fn culled(text: &str) -> String {
+    let text = text.replace("runs = 1", "runs = 6");
     format!("{text}\n[culling]\nat = 0.25\nfraction = 0.9\ncontrol = 0.2\n")
 }

@@ -75,7 +75,7 @@ fn json_has_the_same_keys_whatever_it_tells_of() {
         assert!(status.get(key).is_some(), "status lacks `{key}`: {status}");
     }
     assert_eq!(status["state"], "finished");
-    assert_eq!(status["evaluated"], 36);
+    assert_eq!(status["evaluated"], 216);
     let shown = json(finished(), &["show", &best]);
     for key in [
         "id",
@@ -114,10 +114,10 @@ fn an_export_has_a_header_and_a_row_each_in_both_formats() {
     let csv = succeed(finished(), &["export", "v_individuals", "--format", "csv"]);
     let mut lines = csv.lines();
     assert!(lines.next().is_some_and(|header| header.starts_with("id,")), "{csv}");
-    assert_eq!(lines.count(), 36);
+    assert_eq!(lines.count(), 216);
     let ndjson =
         succeed(finished(), &["export", "v_individuals", "--format", "ndjson", "--experiment", "last"]);
-    assert_eq!(ndjson.lines().count(), 36);
+    assert_eq!(ndjson.lines().count(), 216);
     for line in ndjson.lines() {
         let row: serde_json::Value = serde_json::from_str(line).expect("one JSON object a line");
         assert!(row["fitness"].is_number(), "{line}");
@@ -168,7 +168,7 @@ fn a_bad_experiment_file_is_refused_by_line_and_column_and_nothing_is_made() {
         ("no body", good.replace("body = \"crawler\"\n", ""), "body"),
         ("an unknown body", good.replace("body = \"crawler\"", "body = \"centipede\""), "centipede"),
         ("an unknown search", good.replace("kind = \"grn\"", "kind = \"gnr\""), "gnr"),
-        ("no TOML", good.replace("[task]", "[task"), "task"),
+        ("no TOML", good.replace("[task]", "[task"), "unclosed table"),
     ];
     for (what, text, named) in cases {
         let folder = tempfile::tempdir().expect("a temporary folder");
@@ -207,7 +207,7 @@ fn questions_that_write_are_refused() {
         refused(finished(), &["sql", sql], 2);
     }
     assert!(!finished().join("x.db").exists());
-    assert_eq!(json(finished(), &["status", "last"])["evaluated"], 36);
+    assert_eq!(json(finished(), &["status", "last"])["evaluated"], 216);
 }
 
 #[test]
@@ -215,7 +215,7 @@ fn a_lineage_that_is_none_is_refused_with_a_word() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(folder.path().join("text.db"), "this is no database, and long enough to be read as one")
         .unwrap();
-    let said = refused(folder.path(), &["list", "--db", "text.db"], 1);
+    let said = refused(folder.path(), &["list", "--db", "text.db"], 2);
     assert!(said.contains("text.db"), "{said}");
     refused(folder.path(), &["list", "--db", "absent.db"], 3);
 }

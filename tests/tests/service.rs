@@ -149,7 +149,7 @@ fn a_cull_is_recorded_with_its_rule_step_measure_and_cutoff() {
         .count("SELECT count(*) FROM v_culls WHERE verdict = 'cull' AND measure < cutoff AND step = 60");
     assert_eq!(culls as u64, experiment.culled, "every one stopped a quarter of the way, below its cutoff");
     let first = client.count(
-        "SELECT count(*) FROM v_culls JOIN v_individuals ON v_individuals.id = v_culls.individual WHERE generation = 1",
+        "SELECT count(*) FROM v_culls JOIN v_individuals ON v_individuals.id = v_culls.individual WHERE v_individuals.generation = 1 AND v_culls.verdict = 'cull'",
     );
     assert_eq!(first, 0, "a first generation has no cutoff");
     let scored = client.count("SELECT count(*) FROM v_individuals WHERE status = 'culled' AND fitness <> 0");

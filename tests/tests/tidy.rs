@@ -238,7 +238,7 @@ fn links_of_the_documents_lead_somewhere() {
 fn every_requirement_of_the_walkers_is_documented_and_cited_where_it_is_met() {
     let documented = citations(&read(&workspace().join("docs/systems/walkers.md")));
     let mut cited = BTreeSet::new();
-    for folder in ["creatures", "search", "cli", "coordinator", "tests", "experiments"] {
+    for folder in ["creatures", "search", "cli", "coordinator", "tests", "benches", "experiments"] {
         for extension in ["rs", "toml"] {
             for file in files(folder, extension) {
                 cited.extend(citations(&read(&file)));

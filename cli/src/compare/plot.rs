@@ -128,7 +128,8 @@ impl<'a> Grid<'a> {
             .axis_desc_style(("sans-serif", 15))
             .x_label_formatter(&|x| format!("{x:.0}"))
             .draw()?;
-        let lines: [(&str, fn(&Point) -> f64); 3] =
+        type Line = (&'static str, fn(&Point) -> f64);
+        let lines: [Line; 3] =
             [("best", |point| point.best), ("mean", |point| point.mean), ("worst", |point| point.worst)];
         for ((name, of), colour) in lines.into_iter().zip(COLOURS) {
             for (place, curve) in of_cell.iter().enumerate() {

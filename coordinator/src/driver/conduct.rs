@@ -48,6 +48,8 @@ struct Run {
     generation: Generation,
     inherited: u32,
     opened: Instant,
+    /// To be handed out once the run waits for them: an outcome that came before would find nobody.
+    evaluations: Vec<Evaluation>,
 }
 
 /// What a run that goes on needs beside itself; shared by all of them.
@@ -105,7 +107,7 @@ impl Conductor {
         let mut turning: JoinSet<Result<Option<Run>, ConductError>> = JoinSet::new();
         for number in 1..=self.experiment.runs {
             if let Some(run) = self.take_up(stored, number).await? {
-                self.clone().place(run, &mut waiting, &mut turning);
+                self.clone().place(run, &mut waiting, &mut turning).await;
             }
         }
         while !(waiting.is_empty() && turning.is_empty()) {
@@ -114,14 +116,14 @@ impl Conductor {
                 Some(turned) = turning.join_next() => {
                     let turned = turned.expect("a turn neither panics nor is aborted while it is awaited")?;
                     if let Some(run) = turned {
-                        self.clone().place(run, &mut waiting, &mut turning);
+                        self.clone().place(run, &mut waiting, &mut turning).await;
                     }
                 }
                 settled = output.next() => {
                     let Some(settled) = settled else { return Ok(false) };
                     self.report(output.take_conflicts()).await?;
                     for run in self.settle(settled, &mut waiting).await? {
-                        self.clone().place(run, &mut waiting, &mut turning);
+                        self.clone().place(run, &mut waiting, &mut turning).await;
                     }
                 }
             }
@@ -129,17 +131,20 @@ impl Conductor {
         Ok(true)
     }
 
-    /// Lets a run wait for outcomes or, if none is missing, turn to its next generation.
-    fn place(
+    /// Lets a run wait for outcomes, and only then hands its evaluations out; or, if no outcome is missing,
+    /// lets it turn to its next generation.
+    async fn place(
         self: Arc<Self>,
-        run: Run,
+        mut run: Run,
         waiting: &mut BTreeMap<IndividualId, Run>,
         turning: &mut JoinSet<Result<Option<Run>, ConductError>>,
     ) {
         if run.generation.complete() {
             turning.spawn(async move { self.turn(run).await });
         } else {
+            let evaluations = std::mem::take(&mut run.evaluations);
             waiting.insert(run.generation.first(), run);
+            self.queue.submit(evaluations).await;
         }
     }
 
@@ -191,7 +196,7 @@ impl Conductor {
             && individuals
                 .iter()
                 .zip(&point.individuals)
-                .all(|(asked, standing)| *blake3::hash(&asked.genotype).as_bytes() == standing.digest);
+                .all(|(asked, standing)| standing.has(&asked.genotype));
         let (true, Some(first)) = (same, point.individuals.first()) else {
             return Err(ConductError::OtherHistory { run: number, generation: point.generation });
         };
@@ -206,7 +211,15 @@ impl Conductor {
         let settled = known(&point.individuals);
         let (generation, inherited) =
             Generation::new(point.generation, first.id, &inherits, settled, previous.as_ref());
-        let run = Run { number, stage, search, generation, inherited: 0, opened: Instant::now() };
+        let run = Run {
+            number,
+            stage,
+            search,
+            generation,
+            inherited: 0,
+            opened: Instant::now(),
+            evaluations: Vec::new(),
+        };
         self.begin(run, individuals, inherited, point.culling).await
     }
 
@@ -249,11 +262,19 @@ impl Conductor {
         let inherits: Vec<_> = individuals.iter().map(|individual| individual.inherits).collect();
         let none = vec![None; individuals.len()];
         let (generation, inherited) = Generation::new(generation, ids[0], &inherits, none, previous);
-        let run = Run { number, stage, search, generation, inherited: 0, opened: Instant::now() };
+        let run = Run {
+            number,
+            stage,
+            search,
+            generation,
+            inherited: 0,
+            opened: Instant::now(),
+            evaluations: Vec::new(),
+        };
         self.begin(run, individuals, inherited, culling).await.map(Some)
     }
 
-    /// Records what needs no evaluation and hands out what does.
+    /// Records what needs no evaluation and makes the others ready to be handed out.
     async fn begin(
         &self,
         mut run: Run,
@@ -268,11 +289,10 @@ impl Conductor {
         self.progress.settled(individuals.len() - unsettled.len(), 0);
         self.progress.generation(run.number, STAGE, &run.generation);
         let mut individuals: Vec<_> = individuals.into_iter().map(Some).collect();
-        let mut evaluations = Vec::with_capacity(unsettled.len());
         for index in unsettled {
             let place = Place { stage: STAGE, generation: run.generation.number, index: index as u32 };
             let individual = individuals[index].take().expect("each index is unsettled once");
-            evaluations.push(Evaluation {
+            run.evaluations.push(Evaluation {
                 id: run.generation.id(index).expect("an unsettled index is within the generation").0,
                 order: (run.number, place.generation, place.index),
                 task: self.task.clone(),
@@ -285,7 +305,6 @@ impl Conductor {
                 }),
             });
         }
-        self.queue.submit(evaluations).await;
         Ok(run)
     }
 

@@ -3,6 +3,7 @@
 
 use super::OpenError;
 use super::fault::{Fault, fault};
+use super::sql::sql;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection, SqliteJournalMode, SqliteSynchronous};
 use sqlx::{ConnectOptions as _, Connection as _, Executor as _};
 use std::fs::{File, OpenOptions, TryLockError};
@@ -64,6 +65,8 @@ impl Lock {
 pub(crate) enum Found {
     /// Nothing, or an empty file.
     Nothing,
+    /// A database without marks: a lineage that was not finished making, or another program's.
+    Unmarked,
     /// A lineage of a schema version that is not newer than ours.
     Lineage,
 }
@@ -77,17 +80,25 @@ pub(crate) fn look(path: &Path) -> Result<Found, OpenError> {
         Ok(0) => return Ok(Found::Nothing),
         Ok(_) => {}
     }
-    let foreign = |found: &str| OpenError::Foreign { path: path.to_owned(), found: found.to_owned() };
     if header.len() < 100 || !header.starts_with(b"SQLite format 3\0") {
-        return Err(foreign("not an SQLite database"));
+        return Err(foreign(path, "not an SQLite database"));
     }
     let word =
         |at: usize| u32::from_be_bytes(header[at..at + 4].try_into().expect("four bytes of a hundred"));
     // Offsets of the database header: user_version 60, application_id 68.
+    // A coordinator killed while it made the file leaves pages that no schema has marked yet: whether they are
+    // empty is for `migrate` to see.
+    if word(68) == 0 && word(60) == 0 {
+        return Ok(Found::Unmarked);
+    }
     if word(68) != APPLICATION_ID {
-        return Err(foreign("an SQLite database of another program"));
+        return Err(foreign(path, "an SQLite database of another program"));
     }
     check_version(path, i64::from(word(60))).map(|()| Found::Lineage)
+}
+
+pub(crate) fn foreign(path: &Path, found: &str) -> OpenError {
+    OpenError::Foreign { path: path.to_owned(), found: found.to_owned() }
 }
 
 fn check_version(path: &Path, found: i64) -> Result<(), OpenError> {
@@ -133,6 +144,10 @@ pub(crate) async fn migrate(connection: &mut SqliteConnection, path: &Path) -> R
     let version = schema_version(connection).await.map_err(refused)?;
     check_version(path, version)?;
     if version == SCHEMA {
+        // A coordinator that was killed here may have left the marks in the log.
+        if look(path)? == Found::Unmarked {
+            connection.execute("PRAGMA wal_checkpoint(TRUNCATE)").await.map_err(refused)?;
+        }
         return Ok(());
     }
     let mut transaction = connection.begin_with("BEGIN IMMEDIATE").await.map_err(refused)?;
@@ -146,6 +161,18 @@ pub(crate) async fn migrate(connection: &mut SqliteConnection, path: &Path) -> R
     // The marks belong in the main file before anybody looks at its first bytes.
     connection.execute("PRAGMA wal_checkpoint(TRUNCATE)").await.map_err(refused)?;
     Ok(())
+}
+
+/// Looks into a database without marks, and writes nothing: only one that is empty, or whose marks are still
+/// in its write-ahead log, is a lineage that a killed coordinator did not finish making.
+pub(crate) async fn recognise(path: &Path) -> Result<(), OpenError> {
+    let refused = |error: sqlx::Error| refused_by_sqlite(path, &error);
+    let mut connection = reading(path, false).connect().await.map_err(refused)?;
+    let ours = schema_version(&mut connection).await.map_err(refused)? == SCHEMA;
+    let empty: bool =
+        sqlx::query_scalar(sql!("is_empty")).fetch_one(&mut connection).await.map_err(refused)?;
+    connection.close().await.map_err(refused)?;
+    if ours || empty { Ok(()) } else { Err(foreign(path, "an SQLite database of another program")) }
 }
 
 /// The version in an open file; 0 in an empty one.

@@ -15,11 +15,20 @@ const LEVEL: i32 = 3;
 /// Genotypes tried before a generation is taken for incompressible.
 const TRIED_MIN: usize = 8;
 
+/// Bytes of a genotype's digest.
+pub(crate) const DIGEST: usize = 16;
+
+/// What a genotype is known by at rest: the first half of its BLAKE3, enough against every accident.
+pub(crate) fn digest(genotype: &[u8]) -> [u8; DIGEST] {
+    let hash = blake3::hash(genotype);
+    hash.as_bytes()[..DIGEST].try_into().expect("a BLAKE3 has 32 bytes")
+}
+
 /// A genotype ready to store.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Packed {
-    /// BLAKE3 of the genotype.
-    pub(crate) digest: [u8; 32],
+    /// Of the genotype: see [`digest`].
+    pub(crate) digest: [u8; DIGEST],
     /// Whose genotype is the dictionary.
     pub(crate) base: Option<Place>,
     /// Of the genotype, bytes.
@@ -75,7 +84,7 @@ pub(crate) fn pack(
             before += genotype.len();
             after += frame.as_ref().map_or(genotype.len(), Vec::len);
         }
-        let digest = *blake3::hash(&genotype).as_bytes();
+        let digest = digest(&genotype);
         let size = genotype.len();
         let (base, depth, bytes) = match (frame, base) {
             (Some(frame), Some((place, _, depth))) => (Some(place), depth + 1, frame),
@@ -158,7 +167,7 @@ mod tests {
             let base = packed.base.map(|place| decoded[place.generation as usize - 1].as_slice());
             decoded.push(unpack(packed.bytes, packed.size, base).unwrap());
             assert_eq!(decoded.last(), Some(&genotype));
-            assert_eq!(packed.digest, *blake3::hash(&genotype).as_bytes());
+            assert_eq!(packed.digest, digest(&genotype));
         }
         assert_eq!(full, [1, 17, 33]);
     }

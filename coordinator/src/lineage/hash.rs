@@ -108,7 +108,7 @@ async fn add(
                 genotype::unpack(row.bytes, size, base).map_err(|problem| damaged(id, &problem))?
             }
         };
-        if row.digest != blake3::hash(&genotype).as_bytes() {
+        if row.digest != genotype::digest(&genotype) {
             return Err(damaged(id, "its genotype is not the one of its digest"));
         }
         let mut parents: Vec<(Place, String)> = Vec::new();

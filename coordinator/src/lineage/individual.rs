@@ -1,5 +1,6 @@
 //! One individual with all that is needed to live it again.
 
+use super::outcome::{Columns, object};
 use super::sql::sql;
 use super::summary::id_list;
 use super::{ExperimentId, IndividualId, ReadError, Reader, evaluation_seed, genotype};
@@ -35,7 +36,7 @@ pub struct Portrait {
     /// What else was measured: a JSON object in the task's order; empty text while pending.
     pub measures: String,
     /// Physics steps of its evaluation.
-    pub steps: u64,
+    pub steps: u32,
     /// Its interim report, if one was made.
     pub interim: Option<Interim>,
     /// The culling rule as it was ruled on, of inherited outcomes that of the giver.
@@ -48,8 +49,8 @@ pub struct Portrait {
     pub task_json: String,
     /// The seed of its evaluation, of inherited outcomes that of the giver's.
     pub seed: u64,
-    /// BLAKE3 of its genotype.
-    pub digest: [u8; 32],
+    /// Canonical bytes, checked against their digest.
+    pub genotype: Vec<u8>,
     /// In the search's order.
     pub parents: Vec<Link>,
     /// Every attempt in order, with the worker's name and the fate as a word.
@@ -95,16 +96,10 @@ struct IndividualRow {
     generation: u32,
     idx: u32,
     operator: String,
-    fitness_bits: Option<i64>,
+    standing: String,
     traits: String,
-    measures: Option<String>,
-    steps: Option<i64>,
-    interim_step: Option<u32>,
-    interim_measure: Option<f64>,
     verdict: Option<String>,
-    note: String,
     inherits: Option<i64>,
-    status: String,
     run_seed: i64,
     cull_at: Option<f64>,
     cutoff: Option<f64>,
@@ -113,6 +108,8 @@ struct IndividualRow {
     task: String,
     digest: Vec<u8>,
     children: i64,
+    #[sqlx(flatten)]
+    outcome: Columns,
 }
 
 #[derive(sqlx::FromRow)]
@@ -153,8 +150,16 @@ impl Reader {
         let links: Vec<(i64, String)> =
             sqlx::query_as(sql!("links")).bind(id.sql()).fetch_all(&mut *transaction).await?;
         let attempts = sqlx::query_as(sql!("attempts")).bind(id.sql()).fetch_all(&mut *transaction).await?;
-        let measure = row.interim_measure.unwrap_or(f64::NAN);
-        let digest = row.digest.clone().try_into();
+        let genotype = genotype(&mut transaction, id).await?;
+        if row.digest != genotype::digest(&genotype) {
+            return Err(damaged(id, "its genotype is not the one of its digest"));
+        }
+        let known = row.outcome.read().map_err(|problem| damaged(id, &problem))?;
+        let (outcome, set_aside) = match known {
+            Some(Ok(outcome)) => (Some(outcome), None),
+            Some(Err(set_aside)) => (None, Some(set_aside.reason)),
+            None => (None, None),
+        };
         Ok(Portrait {
             id,
             experiment: ExperimentId::of(row.experiment),
@@ -163,19 +168,21 @@ impl Reader {
             run: row.run,
             stage_name: row.stage_name,
             operator: row.operator,
-            status: row.status,
-            fitness: row.fitness_bits.map(|bits| f64::from_bits(bits.cast_unsigned())),
-            note: row.note,
+            status: row.standing,
+            fitness: outcome.as_ref().map(|outcome| outcome.fitness),
+            note: set_aside
+                .or_else(|| outcome.as_ref().map(|outcome| outcome.note.clone()))
+                .unwrap_or_default(),
             traits: row.traits,
-            measures: row.measures.unwrap_or_default(),
-            steps: row.steps.unwrap_or(0).cast_unsigned(),
-            interim: row.interim_step.map(|step| Interim { step, measure }),
+            measures: outcome.as_ref().map(|outcome| object(&outcome.measures)).unwrap_or_default(),
+            steps: outcome.as_ref().map_or(0, |outcome| outcome.steps),
+            interim: outcome.and_then(|outcome| outcome.interim),
             cull,
             system: row.system,
             system_version: row.system_version,
             task_json: row.task,
             seed,
-            digest: digest.map_err(|_| damaged(id, "its digest is not 32 bytes long"))?,
+            genotype,
             parents: links
                 .into_iter()
                 .map(|(parent, role)| Link { parent: IndividualId::of(parent), role })
@@ -184,18 +191,6 @@ impl Reader {
             inherits: row.inherits.map(IndividualId::of),
             children: row.children.cast_unsigned(),
         })
-    }
-
-    /// The canonical bytes of an individual's genotype, checked against their digest.
-    pub async fn genotype(&self, id: IndividualId) -> Result<Vec<u8>, ReadError> {
-        let mut connection = self.pool().acquire().await.map_err(ReadError::from)?;
-        let bytes = genotype(&mut connection, id).await?;
-        let digest: Vec<u8> =
-            sqlx::query_scalar(sql!("digest")).bind(id.sql()).fetch_one(&mut *connection).await?;
-        if digest != blake3::hash(&bytes).as_bytes() {
-            return Err(damaged(id, "its genotype is not the one of its digest"));
-        }
-        Ok(bytes)
     }
 
     /// The best individuals of an experiment, best first, the earliest of equals, each outcome once: of its

@@ -94,8 +94,11 @@ impl Lineage {
     /// # Errors
     /// See [`OpenError`]. A file of a newer schema, or no lineage at all, is left untouched.
     pub async fn open(path: &Path) -> Result<Lineage, OpenError> {
-        file::look(path)?;
+        let found = file::look(path)?;
         let lock = file::Lock::take(path)?;
+        if found == file::Found::Unmarked {
+            file::recognise(path).await?;
+        }
         let refused = |error: sqlx::Error| file::refused_by_sqlite(path, &error);
         let options = file::writing(path);
         let mut connection = options.connect().await.map_err(refused)?;

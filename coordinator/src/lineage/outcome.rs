@@ -1,10 +1,15 @@
-//! Outcomes as columns, and back to the same bits. Measures are an array of numbers in the order of names
-//! that the stage holds once; where JSON has no number (NaN, infinities) the bits stand as text.
+//! Outcomes as columns, and back to the same bits. Measures stand in number columns in the order of names that
+//! the stage holds once; what does not fit those is text, where a value that is no number has its bits.
 
 use super::SetAside;
 use creatures::{Interim, Outcome, Reason, Status};
 use serde_json::Value;
+use sqlx::Row as _;
+use sqlx::sqlite::SqliteRow;
 use std::fmt::Write as _;
+
+/// Number columns of an outcome's measures: `m0`, `m1`, …
+pub(crate) const MEASURES: usize = 12;
 
 /// The word of an individual that the service set aside.
 pub(crate) const FAILED: &str = "failed";
@@ -35,26 +40,83 @@ pub(crate) fn names(outcome: &Outcome) -> String {
     Value::Array(names).to_string()
 }
 
-/// The measures of an outcome: numbers if they are the stage's (`names`), else pairs of name and number.
-/// Nothing for an outcome that measured nothing.
-pub(crate) fn measures(outcome: &Outcome, stage_names: &[String]) -> Option<String> {
-    if outcome.measures.is_empty() {
-        return None;
-    }
-    let alike = outcome.measures.iter().map(|(name, _)| name).eq(stage_names);
-    let mut text = String::with_capacity(20 * outcome.measures.len());
-    for (i, (name, value)) in outcome.measures.iter().enumerate() {
-        text.push(if i == 0 { '[' } else { ',' });
-        if alike {
-            write_number(&mut text, *value);
-        } else {
-            let _ = write!(text, "[{},", Value::String(name.clone())); // a string takes every write
-            write_number(&mut text, *value);
-            text.push(']');
+/// The measures of an outcome as they are stored.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Measures {
+    /// Values for the stage's names.
+    pub(crate) numbers: [Option<f64>; MEASURES],
+    /// Pairs of name and value as JSON, of an outcome that does not fit `numbers`.
+    pub(crate) pairs: Option<String>,
+}
+
+impl Measures {
+    /// Of an outcome in a stage that measures `stage_names`.
+    pub(crate) fn of(outcome: &Outcome, stage_names: &[String]) -> Measures {
+        let measures = &outcome.measures;
+        let fits = measures.len() <= MEASURES
+            && measures.iter().map(|(name, _)| name).eq(stage_names)
+            && measures.iter().all(|(_, value)| is_kept(*value));
+        let mut stored = Measures::default();
+        if fits {
+            for (column, (_, value)) in stored.numbers.iter_mut().zip(measures) {
+                *column = Some(*value);
+            }
+        } else if !measures.is_empty() {
+            stored.pairs = Some(pairs(measures));
         }
+        stored
+    }
+
+    /// Names and values in their order, given the stage's names as stored.
+    ///
+    /// # Errors
+    /// What makes no sense.
+    pub(crate) fn read(&self, stage_names: Option<&str>) -> Result<Vec<(String, f64)>, String> {
+        if let Some(pairs) = self.pairs.as_deref() {
+            let wrong = || format!("measures `{pairs}` make no sense");
+            let values: Vec<(String, Value)> = serde_json::from_str(pairs).map_err(|_| wrong())?;
+            let number = |(name, value)| Some((name, read_number(&value)?));
+            return values.into_iter().map(number).collect::<Option<_>>().ok_or_else(wrong);
+        }
+        let numbers: Vec<f64> = self.numbers.iter().map_while(|number| *number).collect();
+        if numbers.is_empty() {
+            return Ok(Vec::new());
+        }
+        let names = stage_names.and_then(read_names).unwrap_or_default();
+        if names.len() != numbers.len() {
+            return Err(format!("{} measures have {} names", numbers.len(), names.len()));
+        }
+        Ok(names.into_iter().zip(numbers).collect())
+    }
+}
+
+/// Whether SQLite gives a number back to the bit: it takes NaN for NULL, and drops the sign of zero.
+fn is_kept(value: f64) -> bool {
+    !value.is_nan() && value.to_bits() != (-0.0f64).to_bits()
+}
+
+fn pairs(measures: &[(String, f64)]) -> String {
+    let mut text = String::from("[");
+    for (i, (name, value)) in measures.iter().enumerate() {
+        let comma = if i == 0 { "" } else { "," };
+        let _ = write!(text, "{comma}[{},", Value::from(name.as_str())); // a string takes every write
+        write_number(&mut text, *value);
+        text.push(']');
     }
     text.push(']');
-    Some(text)
+    text
+}
+
+/// Measures as a JSON object in their order, for people.
+pub(crate) fn object(measures: &[(String, f64)]) -> String {
+    let mut text = String::from("{");
+    for (i, (name, value)) in measures.iter().enumerate() {
+        let comma = if i == 0 { "" } else { "," };
+        let _ = write!(text, "{comma}{}:", Value::from(name.as_str())); // a string takes every write
+        write_number(&mut text, *value);
+    }
+    text.push('}');
+    text
 }
 
 /// The shortest decimal that reads back to the same bits, or the bits as text.
@@ -78,16 +140,39 @@ fn read_number(value: &Value) -> Option<f64> {
 }
 
 /// The columns of an outcome's row, joined with its stage's names.
-#[derive(Debug, sqlx::FromRow)]
+#[derive(Debug)]
 pub(crate) struct Columns {
     pub(crate) status: Option<String>,
     pub(crate) fitness_bits: Option<i64>,
     pub(crate) steps: Option<i64>,
-    pub(crate) measures: Option<String>,
-    pub(crate) measure_names: Option<String>,
     pub(crate) interim_step: Option<i64>,
     pub(crate) interim_measure: Option<f64>,
     pub(crate) note: Option<String>,
+    pub(crate) measure_names: Option<String>,
+    pub(crate) measures: Measures,
+}
+
+impl sqlx::FromRow<'_, SqliteRow> for Columns {
+    fn from_row(row: &SqliteRow) -> Result<Self, sqlx::Error> {
+        let mut numbers = [None; MEASURES];
+        let pairs = row.try_get("measures")?;
+        for (at, number) in numbers.iter_mut().enumerate() {
+            *number = row.try_get(format!("m{at}").as_str())?;
+            if number.is_none() {
+                break;
+            }
+        }
+        Ok(Columns {
+            status: row.try_get("status")?,
+            fitness_bits: row.try_get("fitness_bits")?,
+            steps: row.try_get("steps")?,
+            interim_step: row.try_get("interim_step")?,
+            interim_measure: row.try_get("interim_measure")?,
+            note: row.try_get("note")?,
+            measure_names: row.try_get("measure_names")?,
+            measures: Measures { numbers, pairs },
+        })
+    }
 }
 
 /// What became of an individual; `None` for one that is pending.
@@ -106,7 +191,7 @@ impl Columns {
         }
         let status = status(word).ok_or_else(|| format!("status `{word}` is unknown"))?;
         let interim = self.interim_step.map(|step| -> Result<Interim, String> {
-            // SQLite keeps no NaN; NULL beside a step is one.
+            // NULL beside a step is the NaN that was. Nothing depends on the sign of a zero here.
             let measure = self.interim_measure.unwrap_or(f64::NAN);
             Ok(Interim { step: small(step, "interim_step")?, measure })
         });
@@ -114,34 +199,16 @@ impl Columns {
             status,
             fitness: f64::from_bits(self.fitness_bits.ok_or("fitness_bits is missing")?.cast_unsigned()),
             steps: small(self.steps.unwrap_or(0), "steps")?,
-            measures: self.pairs()?,
+            measures: self.measures.read(self.measure_names.as_deref())?,
             interim: interim.transpose()?,
             note,
         })))
     }
-
-    /// Names and values of the measures, in their order.
-    pub(crate) fn pairs(&self) -> Result<Vec<(String, f64)>, String> {
-        let Some(measures) = self.measures.as_deref() else { return Ok(Vec::new()) };
-        let wrong = || format!("measures `{measures}` make no sense");
-        let values: Vec<Value> = serde_json::from_str(measures).map_err(|_| wrong())?;
-        if values.first().is_some_and(Value::is_array) {
-            let pair =
-                |value: &Value| Some((value.get(0)?.as_str()?.to_owned(), read_number(value.get(1)?)?));
-            return values.iter().map(|value| pair(value).ok_or_else(wrong)).collect();
-        }
-        let names = self.measure_names.as_deref().map_or(Ok(Vec::new()), read_names).map_err(|()| wrong())?;
-        if names.len() != values.len() {
-            return Err(wrong());
-        }
-        let numbers = values.iter().map(|value| read_number(value).ok_or_else(wrong));
-        names.into_iter().zip(numbers).map(|(name, number)| Ok((name, number?))).collect()
-    }
 }
 
-/// The names of a stage's measures.
-pub(crate) fn read_names(text: &str) -> Result<Vec<String>, ()> {
-    serde_json::from_str(text).map_err(|_| ())
+/// The names of a stage's measures, or traits.
+pub(crate) fn read_names(text: &str) -> Option<Vec<String>> {
+    serde_json::from_str(text).ok()
 }
 
 fn small(column: i64, name: &str) -> Result<u32, String> {
@@ -158,7 +225,7 @@ mod tests {
             status: Some(word(outcome.status)),
             fitness_bits: Some(outcome.fitness.to_bits().cast_signed()),
             steps: Some(outcome.steps.into()),
-            measures: measures(outcome, stage_names),
+            measures: Measures::of(outcome, stage_names),
             measure_names: Some(serde_json::to_string(stage_names).unwrap()),
             interim_step: outcome.interim.map(|interim| interim.step.into()),
             interim_measure: outcome.interim.map(|interim| interim.measure),
@@ -170,7 +237,7 @@ mod tests {
         #[test]
         fn an_outcome_comes_back_bit_for_bit(
             fitness: u64,
-            values in proptest::collection::vec(any::<u64>(), 0..10),
+            values in proptest::collection::vec(any::<u64>(), 0..15),
             own_names: bool,
             steps: u32,
         ) {
@@ -204,8 +271,11 @@ mod tests {
         let good = || columns(&outcome, &names);
         assert!(good().read().is_ok());
         assert!(Columns { status: Some("eaten".into()), ..good() }.read().is_err());
-        assert!(Columns { measures: Some("[1,2]".into()), ..good() }.read().is_err());
-        assert!(Columns { measures: Some("{".into()), ..good() }.read().is_err());
+        let measures = |pairs: &str| Measures { pairs: Some(pairs.to_owned()), ..Measures::default() };
+        assert!(Columns { measures: measures("[[\"dis\",1]]"), ..good() }.read().is_ok());
+        assert!(Columns { measures: measures("[1,2]"), ..good() }.read().is_err());
+        assert!(Columns { measures: measures("{"), ..good() }.read().is_err());
+        assert!(Columns { measure_names: None, ..good() }.read().is_err());
         assert!(Columns { steps: Some(-1), ..good() }.read().is_err());
         assert!(Columns { fitness_bits: None, ..good() }.read().is_err());
     }

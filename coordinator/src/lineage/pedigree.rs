@@ -5,6 +5,7 @@ use super::individual::Link;
 use super::sql::sql;
 use super::{IndividualId, ReadError, Reader};
 use search::Place;
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, VecDeque};
 
 /// One ancestor.
@@ -51,9 +52,9 @@ impl Reader {
         line: bool,
     ) -> Result<Vec<Ancestor>, ReadError> {
         let mut transaction = self.pool().begin().await?; // one state of the file
-        let exists: Option<Vec<u8>> =
-            sqlx::query_scalar(sql!("digest")).bind(of.sql()).fetch_optional(&mut *transaction).await?;
-        if exists.is_none() {
+        let exists: bool =
+            sqlx::query_scalar(sql!("exists")).bind(of.sql()).fetch_one(&mut *transaction).await?;
+        if !exists {
             return Err(ReadError::NotFound { what: "individual", reference: of.to_string() });
         }
         let edges: Vec<(i64, i64, String)> = sqlx::query_as(sql!("pedigree"))
@@ -103,8 +104,8 @@ fn steps(
         }
         let links = parents.get(&child.sql()).map_or(&[][..], Vec::as_slice);
         for link in links.iter().take(if line { 1 } else { links.len() }) {
-            if !steps.contains_key(&link.parent) {
-                steps.insert(link.parent, so_far + 1);
+            if let Entry::Vacant(first) = steps.entry(link.parent) {
+                first.insert(so_far + 1);
                 ahead.push_back((link.parent, so_far + 1));
             }
         }

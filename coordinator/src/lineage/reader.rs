@@ -33,8 +33,14 @@ impl Reader {
     /// # Errors
     /// As [`super::Lineage::open`], but for who holds it: that does not matter here.
     pub async fn open(path: &Path) -> Result<Reader, OpenError> {
-        if file::look(path)? == Found::Nothing {
-            return Err(OpenError::Missing { path: path.to_owned() });
+        match file::look(path)? {
+            Found::Lineage => {}
+            Found::Nothing => return Err(OpenError::Missing { path: path.to_owned() }),
+            Found::Unmarked => {
+                let found = "an SQLite database of another program, or a lineage that was not finished making: \
+                             a coordinator finishes it";
+                return Err(file::foreign(path, found));
+            }
         }
         let options = reading(path, false);
         let (options, pool) = match connect(&options).await {

@@ -1,7 +1,7 @@
 //! Outcomes on their way to the disk: the hottest rows of the lineage, written many at a time.
 
 use super::entry::{Ending, Evaluated, Fate};
-use super::outcome::{FAILED, measures, names, word};
+use super::outcome::{FAILED, Measures, names, word};
 use super::sql::{Insert, sql};
 use super::transaction::{Refusal, Transaction};
 use super::{IndividualId, StageId};
@@ -13,11 +13,11 @@ struct OutcomeRow {
     status: i64,
     fitness: Option<f64>,
     steps: u32,
-    measures: Option<String>,
     interim: Option<Interim>,
     verdict: Option<i64>,
     note: Option<String>,
     counted: Option<(u32, i64, i64)>, // attempt, worker, micros
+    measures: Measures,
 }
 
 struct AttemptRow {
@@ -59,22 +59,25 @@ impl Transaction<'_> {
                 });
             }
         }
+        // Rows that come in order of their key are packed twice as tight.
+        outcomes.sort_by_key(|row| row.individual);
         OUTCOMES
             .run(self.connection, &outcomes, |query, row| {
-                query
+                let query = query
                     .bind(row.individual)
                     .bind(row.status)
                     .bind(row.fitness)
                     .bind(row.fitness.map(|fitness| fitness.to_bits().cast_signed()))
                     .bind(row.steps)
-                    .bind(row.measures.as_deref())
                     .bind(row.interim.map(|interim| interim.step))
                     .bind(row.interim.map(|interim| interim.measure))
                     .bind(row.verdict)
                     .bind(row.note.as_deref())
                     .bind(row.counted.map(|(attempt, _, _)| attempt))
                     .bind(row.counted.map(|(_, worker, _)| worker))
-                    .bind(row.counted.map(|(_, _, micros)| micros))
+                    .bind(row.counted.map(|(_, _, micros)| micros));
+                let query = row.measures.numbers.iter().fold(query, |query, number| query.bind(*number));
+                query.bind(row.measures.pairs.as_deref())
             })
             .await?;
         ATTEMPTS
@@ -131,7 +134,7 @@ impl Transaction<'_> {
                 status: self.register.word(self.connection, FAILED).await?,
                 fitness: None,
                 steps: 0,
-                measures: None,
+                measures: Measures::default(),
                 interim: ruled,
                 verdict,
                 note: Some(reason.to_owned()),
@@ -140,20 +143,16 @@ impl Transaction<'_> {
         })
     }
 
-    /// The measures column. The first outcome of a stage that measures something names its measures.
-    async fn measures(
-        &mut self,
-        individual: IndividualId,
-        outcome: &Outcome,
-    ) -> Result<Option<String>, Refusal> {
+    /// The columns of its measures. The first outcome of a stage that measures something names its measures.
+    async fn measures(&mut self, individual: IndividualId, outcome: &Outcome) -> Result<Measures, Refusal> {
         if outcome.measures.is_empty() {
-            return Ok(None);
+            return Ok(Measures::default());
         }
-        let Some(stage) = self.register.stage_of(individual) else { return Ok(measures(outcome, &[])) };
-        if self.register.names(stage).is_none() {
+        let Some(stage) = self.register.stage_of(individual) else { return Ok(Measures::of(outcome, &[])) };
+        if self.register.measures(stage).is_none() {
             self.name_measures(stage, outcome).await?;
         }
-        Ok(measures(outcome, self.register.names(stage).unwrap_or(&[])))
+        Ok(Measures::of(outcome, self.register.measures(stage).unwrap_or(&[])))
     }
 
     async fn name_measures(&mut self, stage: StageId, outcome: &Outcome) -> Result<(), Refusal> {

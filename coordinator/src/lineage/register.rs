@@ -14,7 +14,8 @@ pub(crate) struct Register {
     workers: BTreeMap<String, i64>,
     last_individual: u64,
     open: BTreeMap<u64, (u32, StageId)>, // first individual → size, stage
-    names: BTreeMap<StageId, Vec<String>>,
+    measures: BTreeMap<StageId, Vec<String>>,
+    traits: BTreeMap<StageId, Vec<String>>,
 }
 
 impl Register {
@@ -24,20 +25,23 @@ impl Register {
         let workers: Vec<(String, i64)> =
             sqlx::query_as(sql!("worker_names")).fetch_all(&mut *connection).await?;
         let last: i64 = sqlx::query_scalar(sql!("last_individual")).fetch_one(&mut *connection).await?;
-        let open: Vec<(i64, u32, i64, Option<String>)> =
-            sqlx::query_as(sql!("open_generations")).fetch_all(&mut *connection).await?;
+        // Of each: its first individual, its size, its stage, and the names of traits and measures.
+        type Open = (i64, u32, i64, Option<String>, Option<String>);
+        let open: Vec<Open> = sqlx::query_as(sql!("open_generations")).fetch_all(&mut *connection).await?;
         let mut register = Register {
             words: words.into_iter().collect(),
             workers: workers.into_iter().collect(),
             last_individual: last.cast_unsigned(),
             ..Register::default()
         };
-        for (first, size, stage, names) in open {
+        for (first, size, stage, traits, measures) in open {
             let stage = StageId::of(stage);
             register.open.insert(first.cast_unsigned(), (size, stage));
-            // Names that do not read are taken for none: outcomes then carry their own.
-            if let Some(Ok(names)) = names.as_deref().map(read_names) {
-                register.names.insert(stage, names);
+            // Names that do not read are taken for none: rows then carry their own.
+            for (names, known) in [(traits, &mut register.traits), (measures, &mut register.measures)] {
+                if let Some(names) = names.as_deref().and_then(read_names) {
+                    known.insert(stage, names);
+                }
             }
         }
         Ok(register)
@@ -92,7 +96,8 @@ impl Register {
 
     /// Forgets a stage that has ended.
     pub(crate) fn end_stage(&mut self, stage: StageId) {
-        self.names.remove(&stage);
+        self.measures.remove(&stage);
+        self.traits.remove(&stage);
     }
 
     /// The stage of an individual of an open generation.
@@ -102,12 +107,22 @@ impl Register {
     }
 
     /// What the outcomes of a stage measure, once one of them has.
-    pub(crate) fn names(&self, stage: StageId) -> Option<&[String]> {
-        self.names.get(&stage).map(Vec::as_slice)
+    pub(crate) fn measures(&self, stage: StageId) -> Option<&[String]> {
+        self.measures.get(&stage).map(Vec::as_slice)
     }
 
     /// Names what the outcomes of a stage measure.
     pub(crate) fn name_measures(&mut self, stage: StageId, names: Vec<String>) {
-        self.names.insert(stage, names);
+        self.measures.insert(stage, names);
+    }
+
+    /// The traits of a stage's individuals, once it has one.
+    pub(crate) fn traits(&self, stage: StageId) -> Option<&[String]> {
+        self.traits.get(&stage).map(Vec::as_slice)
+    }
+
+    /// Names the traits of a stage's individuals.
+    pub(crate) fn name_traits(&mut self, stage: StageId, names: Vec<String>) {
+        self.traits.insert(stage, names);
     }
 }

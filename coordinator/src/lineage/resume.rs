@@ -1,6 +1,7 @@
 //! What a coordinator needs to take up where another one stopped: unfinished experiments, and where each
 //! stage goes on.
 
+use super::genotype::{DIGEST, digest};
 use super::outcome::{Columns, Known};
 use super::sql::sql;
 use super::{Culling, ExperimentId, IndividualId, ReadError, Reader, SetAside, StageId, State};
@@ -94,10 +95,17 @@ pub struct Standing {
     pub id: IndividualId,
     /// Its index in its generation.
     pub index: u32,
-    /// BLAKE3 of its genotype.
-    pub digest: [u8; 32],
+    /// What its genotype is known by: see [`Standing::has`].
+    digest: [u8; DIGEST],
     /// What became of it; `None` while pending.
     pub ending: Option<Result<Outcome, SetAside>>,
+}
+
+impl Standing {
+    /// Whether this is its genotype.
+    pub fn has(&self, genotype: &[u8]) -> bool {
+        digest(genotype) == self.digest
+    }
 }
 
 #[derive(sqlx::FromRow)]
@@ -283,7 +291,7 @@ async fn standings(
         let damaged = |problem| ReadError::Corrupt { problem: format!("individual {id}: {problem}") };
         let ending: Known = row.outcome.read().map_err(damaged)?;
         let digest =
-            row.digest.try_into().map_err(|_| damaged("its digest is not 32 bytes long".to_owned()))?;
+            row.digest.try_into().map_err(|_| damaged("its digest is of another length".to_owned()))?;
         Ok(Standing { id, index, digest, ending })
     };
     (0..).zip(rows).map(standing).collect()

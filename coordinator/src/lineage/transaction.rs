@@ -10,6 +10,7 @@ use super::{ExperimentId, IndividualId, StageId};
 use search::{Individual, Place};
 use sqlx::sqlite::SqliteConnection;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::sync::LazyLock;
 
 /// Why an entry is not written.
@@ -264,7 +265,8 @@ impl Transaction<'_> {
                 Some(place) => Some(places.find(self, standing, place).await?),
                 None => None,
             };
-            rows.push((id, operator, individual.traits.to_string(), inherits));
+            let traits = self.traits(next.stage, &individual.traits).await?;
+            rows.push((id, operator, traits, inherits));
             for (ord, parent) in (0i64..).zip(&individual.parents) {
                 let role = self.register.word(self.connection, &parent.role).await?;
                 parents.push((id, ord, places.find(self, standing, parent.place).await?, role));
@@ -292,6 +294,24 @@ impl Transaction<'_> {
             })
             .await?;
         Ok(())
+    }
+
+    /// The traits column: values alone under the names of the stage's first individual, else the whole object.
+    async fn traits(&mut self, stage: StageId, traits: &serde_json::Value) -> Result<String, Refusal> {
+        let Some(object) = traits.as_object() else {
+            return Err(Refusal::Contradiction(format!("traits are a JSON object, not {traits}")));
+        };
+        if self.register.traits(stage).is_none() {
+            let names: Vec<String> = object.keys().cloned().collect();
+            let text = serde_json::Value::from(names.clone()).to_string();
+            let query = sqlx::query(sql!("name_traits")).bind(stage.sql()).bind(text);
+            query.execute(&mut *self.connection).await?;
+            self.register.name_traits(stage, names);
+        }
+        if self.register.traits(stage).is_some_and(|names| object.keys().eq(names)) {
+            return Ok(serde_json::Value::from_iter(object.values().cloned()).to_string());
+        }
+        Ok(traits.to_string())
     }
 
     async fn checkpoint(
@@ -370,14 +390,14 @@ impl Places {
         place: Place,
     ) -> Result<i64, Refusal> {
         let key = (place.stage, place.generation);
-        if !self.known.contains_key(&key) {
+        if let Entry::Vacant(unknown) = self.known.entry(key) {
             let query = sqlx::query_as::<_, (i64, i64)>(sql!("locate_generation"))
                 .bind(run.experiment)
                 .bind(run.run)
                 .bind(place.stage)
                 .bind(place.generation);
             let found = query.fetch_optional(&mut *transaction.connection).await?;
-            self.known.insert(key, found.map(|(first, size)| (first.cast_unsigned(), size.cast_unsigned())));
+            unknown.insert(found.map(|(first, size)| (first.cast_unsigned(), size.cast_unsigned())));
         }
         match self.known[&key] {
             Some((first, size)) if u64::from(place.index) < size => {

@@ -113,8 +113,8 @@ impl Writer {
         }
         let _ = self.end.set("closed".to_owned());
         self.wal.stop().await;
-        // A damaged file or a full disk may refuse; the next one to open it tidies up.
-        let _ = self.connection.execute("PRAGMA optimize").await;
+        // A damaged file or a full disk may refuse; the next one to open it tidies up. No statistics are left
+        // for the planner: with them it builds Bloom filters of whole tables for the steps of a pedigree.
         let _ = self.connection.execute("PRAGMA wal_checkpoint(TRUNCATE)").await;
         let _ = self.connection.close().await;
         drop(self.lock);

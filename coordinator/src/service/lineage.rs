@@ -84,8 +84,7 @@ impl v1::lineage_server::Lineage for LineageService {
     ) -> Result<Response<v1::IndividualReply>, Status> {
         let id = IndividualId(request.into_inner().individual);
         let portrait = self.reader.individual(id).await.map_err(status)?;
-        let genotype = self.reader.genotype(id).await.map_err(status)?;
-        Ok(Response::new(individual(portrait, Some(genotype))))
+        Ok(Response::new(individual(portrait, true)))
     }
 
     async fn ancestry(
@@ -103,7 +102,7 @@ impl v1::lineage_server::Lineage for LineageService {
         for experiment in self.reader.find(&experiment).await.map_err(status)? {
             for id in self.reader.best(experiment, limit.clamp(1, 10_000)).await.map_err(status)? {
                 let portrait = self.reader.individual(id).await.map_err(status)?;
-                individuals.push(self::individual(portrait, None));
+                individuals.push(self::individual(portrait, false));
             }
         }
         Ok(Response::new(v1::BestReply { individuals }))
@@ -159,7 +158,8 @@ fn row(cells: Vec<Cell>) -> v1::Row {
     v1::Row { values: cells.into_iter().map(value).collect() }
 }
 
-fn individual(portrait: Portrait, genotype: Option<Vec<u8>>) -> v1::IndividualReply {
+fn individual(portrait: Portrait, with_genotype: bool) -> v1::IndividualReply {
+    let digest = blake3::hash(&portrait.genotype).as_bytes().to_vec().into();
     v1::IndividualReply {
         id: portrait.id.0,
         experiment: portrait.experiment.0,
@@ -175,17 +175,17 @@ fn individual(portrait: Portrait, genotype: Option<Vec<u8>>) -> v1::IndividualRe
         note: portrait.note,
         traits: portrait.traits,
         measures: portrait.measures,
-        genotype: genotype.map(|payload| v1::Genotype {
+        genotype: with_genotype.then(|| v1::Genotype {
             system: portrait.system,
             version: portrait.system_version,
-            payload: payload.into(),
+            payload: portrait.genotype.into(),
         }),
-        digest: portrait.digest.to_vec().into(),
+        digest,
         task: portrait.task_json,
         seed: portrait.seed,
         cull: portrait.cull.map(Into::into),
         interim: portrait.interim.map(Into::into),
-        steps: portrait.steps,
+        steps: portrait.steps.into(),
         parents: portrait.parents.into_iter().map(link).collect(),
         attempts: portrait
             .attempts

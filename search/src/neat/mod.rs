@@ -8,14 +8,14 @@ mod species;
 
 pub use settings::{KIND, Settings, Speciation};
 
-use crate::checkpoint::{self, GenotypeBytes, RestoreError};
+use crate::checkpoint::{self, GenotypeBytes, RestoreError, require};
 use crate::inheritance::{Scored, inherited};
 use crate::{Individual, Parent, Place, Record, Search};
 use creatures::Outcome;
 use creatures::walker::neat;
 use serde_json::Value;
 use species::{Sorting, Species};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The search at work: its state at the end of a generation, and the generation asked for.
 #[derive(Debug)]
@@ -83,9 +83,26 @@ impl Neat {
                 neat::Genotype::decode(bytes).map_err(|source| RestoreError::Genotype { index, source })?;
             Ok(Member { genotype, scored, species })
         };
-        let population = members.into_iter().enumerate().map(member).collect::<Result<_, _>>()?;
-        let state = Neat::start(settings, seed, stage);
-        Ok(Neat { generation, register, population, species, next_species, ..state })
+        let population: Vec<Member> =
+            members.into_iter().enumerate().map(member).collect::<Result<_, _>>()?;
+        let start = Neat::start(settings, seed, stage);
+        let state = Neat { generation, register, population, species, next_species, ..start };
+        state.check()?;
+        Ok(state)
+    }
+
+    /// Checks a state that comes from outside for all that the search relies on.
+    fn check(&self) -> Result<(), RestoreError> {
+        let size = if self.generation == 0 { 0 } else { self.settings.population };
+        require(self.population.len() == size as usize, "its population has another size")?;
+        let same_body = self.population.iter().all(|member| member.genotype.body == self.settings.body);
+        require(same_body, "its population has another body")?;
+        let ids: BTreeSet<u32> = self.population.iter().map(|member| member.species).collect();
+        let listed = self.species.iter().map(|species| species.id);
+        require(listed.eq(ids.iter().copied()), "its species are not those of its population")?;
+        let granted: u64 = self.species.iter().map(|species| u64::from(species.quota)).sum();
+        require(granted == u64::from(size), "its quotas do not fill a generation")?;
+        require(ids.last() < Some(&self.next_species), "its species are numbered beyond the next one")
     }
 
     fn place(&self, generation: u32, index: u32) -> Place {

@@ -143,3 +143,17 @@ fn rates_of_zero_end_no_search() {
     let (_, next) = second_generation(keys, 40, scattered);
     assert!(next.iter().any(|one| one.operator == "clone" && one.inherits.is_some()));
 }
+
+/// X-17, G-36: a species without offspring ends; nobody stands for it when members are next sought.
+#[test]
+fn only_species_with_offspring_are_carried_over() {
+    // All the fitness is one individual's, so that its species is granted every slot.
+    let (search, next) = second_generation(json!({}), 80, |index| if index == 40 { 1000.0 } else { 0.0 });
+    let holder = search.population[40].species;
+    assert!(search.species.len() > 3, "others are there to end");
+    assert_eq!(search.representatives().into_keys().collect::<Vec<_>>(), [holder]);
+    for one in &next {
+        let species = one.traits["species"].as_u64().unwrap() as u32;
+        assert!(species == holder || species >= search.next_species, "an id is not used again");
+    }
+}

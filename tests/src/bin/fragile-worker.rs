@@ -10,7 +10,7 @@ use creatures::{Cull, DecodeError, Interim, Outcome, Proof, SpecError, System, T
 
 /// What is wrong with this worker.
 #[derive(Debug, Parser)]
-struct Arguments {
+struct FragileArguments {
     #[command(flatten)]
     worker: worker::command::Arguments,
     /// The process aborts over probe genotypes whose first byte is below this
@@ -28,7 +28,7 @@ static FATAL_BELOW: OnceLock<u8> = OnceLock::new();
 
 #[tokio::main]
 async fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = FragileArguments::parse();
     FATAL_BELOW.set(arguments.fatal_below).expect("set once");
     let mut config = match arguments.worker.config() {
         Ok(config) => config,

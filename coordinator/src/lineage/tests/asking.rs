@@ -132,7 +132,7 @@ async fn users_sql_can_only_read() {
         ("", "no statement"),
         ("-- nothing", "no statement"),
         ("SELEC 1", "syntax error"),
-        ("SELECT nothing FROM v_best", "no such column"),
+        ("SELECT nobody FROM v_best", "no such column"),
         ("SELECT writefile('/tmp/x', 'y')", "no such function"),
         ("SELECT 'a\0b'", "NUL"),
     ];

@@ -155,7 +155,7 @@ fn outcome(fitness: f64) -> Outcome {
         status: Status::Completed,
         fitness,
         steps: 10,
-        measures: vec![("dis".to_owned(), fitness / 3.0), ("height".to_owned(), -0.0)],
+        measures: vec![("dis".to_owned(), fitness / 3.0), ("height".to_owned(), fitness / 5.0)],
         interim: Some(Interim { step: 2, measure: fitness / 7.0 }),
         note: String::new(),
     }

@@ -105,7 +105,21 @@ pub(super) enum Patience {
     Drag,
 }
 
-/// A point at or near the ground.
+/// Where a point is at or near the ground.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Site {
+    pub(super) body: usize,
+    /// Its place among all contact points.
+    pub(super) point: usize,
+    /// Coulomb's coefficient.
+    pub(super) coulomb: f64,
+    /// From the reference point, m.
+    pub(super) at: DVec3,
+    /// To the ground, m; negative within it.
+    pub(super) gap: f64,
+}
+
+/// A point at or near the ground, and what it does there.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Contact {
     pub(super) body: usize,
@@ -116,9 +130,9 @@ pub(super) struct Contact {
     /// The one that is used: a little less, so that a direction found to first order stays in the cone.
     friction: f64,
     /// Speed along the normal at which the ground lets go, m/s.
-    pub(super) release: f64,
+    release: f64,
     /// Rows of the normal and the two tangents: twist to velocity of the point.
-    pub(super) rows: [Six; 3],
+    rows: [Six; 3],
     pub(super) hold: Hold,
     /// The normal impulse that friction is thought to belong to, N·s.
     load: f64,
@@ -129,19 +143,9 @@ pub(super) struct Contact {
 }
 
 impl Contact {
-    /// A contact at `at` from the reference point, with the separation `gap`, m. `twist` and `pressure` are
-    /// those of the step before, and serve as a first guess.
-    #[allow(clippy::too_many_arguments, reason = "a value with that many independent parts")]
-    pub(super) fn new(
-        footing: &Footing,
-        body: usize,
-        point: usize,
-        coulomb: f64,
-        at: DVec3,
-        gap: f64,
-        twist: &Six,
-        pressure: f64,
-    ) -> Contact {
+    /// A contact at a site. `twist` and `pressure` are those of the step before, and serve as a first guess.
+    pub(super) fn new(footing: &Footing, site: &Site, twist: &Six, pressure: f64) -> Contact {
+        let Site { body, point, coulomb, at, gap } = *site;
         let row = |d: DVec3| Six::new(d, at.cross(d));
         let release = if gap <= 0.0 { -gap * footing.recovery } else { -gap / footing.dt };
         let rows = [row(footing.normal), row(footing.tangents[0]), row(footing.tangents[1])];
@@ -290,7 +294,7 @@ impl Contact {
     }
 
     /// Velocity along the tangents, m/s.
-    pub(super) fn slip(&self, twist: &Six) -> [f64; 2] {
+    fn slip(&self, twist: &Six) -> [f64; 2] {
         [self.rows[1].dot(twist), self.rows[2].dot(twist)]
     }
 }

@@ -25,8 +25,11 @@ impl World {
     }
 
     /// Sets a body's velocity, m/s, and angular velocity, rad/s, world frame. Joints that these violate
-    /// take them back in the next step, by impulses.
+    /// take them back in the next step, by impulses. A fixture stays at rest.
     pub fn set_velocity(&mut self, body: BodyId, velocity: DVec3, spin: DVec3) {
+        if self.fixture && body.0 == 0 {
+            return;
+        }
         let body = &mut self.bodies[body.0];
         (body.velocity, body.spin) = (velocity, spin);
         let rotation = body.pose.rotation;

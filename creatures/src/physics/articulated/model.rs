@@ -237,9 +237,8 @@ impl ModelBuilder {
     /// The body from which the tree grows; give it first, and once.
     pub fn root(&mut self, body: Body) -> BodyId {
         self.roots += 1;
-        self.bodies.truncate(0);
-        self.joints.truncate(0);
-        self.bodies.push(body);
+        self.bodies = vec![body];
+        self.joints.clear();
         self.fixture = false;
         BodyId(0)
     }

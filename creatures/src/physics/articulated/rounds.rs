@@ -4,8 +4,8 @@
 //! Every motor, stop and contact is a monotone law between velocity and impulse, and each round replaces
 //! the laws by the straight pieces on which they are thought to be. If the solution lies on these pieces it
 //! is *the* solution. If not, all that are wrong switch (block principal pivoting); when that makes no
-//! progress only the last one does, which cannot go round in circles. The pieces of the last step are the
-//! first guess, so that one round is usual.
+//! progress only the last motor or stop does, and among these that cannot go round in circles. The pieces of
+//! the last step are the first guess, so that one round is usual.
 
 use super::World;
 use super::contact::{Footing, Patience};
@@ -33,9 +33,11 @@ impl World {
                 patience = patience.max(Patience::Lagged);
                 continue;
             }
-            if round == NEWTON_ROUNDS || round == LAGGED_ROUNDS {
-                patience = if round == NEWTON_ROUNDS { Patience::Lagged } else { Patience::Drag };
-            }
+            patience = patience.max(match round {
+                LAGGED_ROUNDS.. => Patience::Drag,
+                NEWTON_ROUNDS.. => Patience::Lagged,
+                _ => Patience::Newton,
+            });
             let wrong = self.judge(footing, stalled >= STALL_MAX, patience);
             if wrong == 0 {
                 return Ok(round);

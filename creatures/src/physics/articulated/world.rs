@@ -1,7 +1,7 @@
 //! The world: one tree of bodies in motion, and the step that moves it. What a step solves is in
 //! [`super::rounds`]; here are its beginning and its end.
 
-use super::contact::{Contact, Footing};
+use super::contact::{Contact, Footing, Site};
 use super::joint::{Link, Pace, Pose};
 use super::model::{ModelBuilder, Settings, Shape, StopRule};
 use super::rounds::ROUNDS_MAX;
@@ -245,8 +245,8 @@ impl World {
                 }
                 let at = body.pose.position - reference + body.pose.rotation * *local
                     - footing.normal * body.radius;
-                let contact = Contact::new(footing, index, point, body.friction, at, gap, &twist, last);
-                self.contacts.push(contact);
+                let site = Site { body: index, point, coulomb: body.friction, at, gap };
+                self.contacts.push(Contact::new(footing, &site, &twist, last));
             }
         }
     }

@@ -172,6 +172,7 @@ pub(super) fn flyer(settings: Settings) -> Creature {
         ..Body::capsule(0.5, length, 0.01, position)
     };
     let mut attach = |parent: usize, body: Body, joint: Joint| {
+        growth.specs.push((parent, joint));
         let (id, joint) = growth.model.attach(growth.bodies[parent].0, body, joint).expect("a legal joint");
         growth.bodies.push((id, body));
         growth.joints.push(joint);

@@ -20,20 +20,26 @@ fn live(creature: &mut Creature, hz: u32, seconds: f64, commands: impl Fn(&mut C
 /// T-18.
 #[test]
 fn walkers_at_rest_stay_where_they_are() {
-    for (body, height) in [
-        (bodies::crawler as fn(_) -> Creature, 0.025),
-        (bodies::arm, 0.020),
-        (bodies::hopper, 0.150),
-        (bodies::runner, 0.021),
-    ] {
-        let mut creature = body(bodies::earth());
-        let still = |creature: &mut Creature, _: f64| {
-            creature.command_all(|| 0.0);
+    for gait in gaits::ALL {
+        let (height, torso_touches) = match gait.name {
+            "crawler" => (0.025, true),
+            "arm" => (0.020, true),
+            "hopper" => (0.150, false),
+            _ => (0.021, true),
         };
+        let mut creature = (gait.body)(bodies::earth());
+        let still = |creature: &mut Creature, _: f64| creature.command_all(|| 0.0);
         live(&mut creature, 240, 1.0, still);
+        let world = &creature.world;
+        assert_eq!(world.touches(creature.bodies[0], 0.001), torso_touches, "{}", gait.name);
+        if gait.name == "hopper" {
+            assert!([2, 4].iter().all(|&foot| world.touches(creature.bodies[foot], 0.001)));
+        }
+        assert!((creature.torso().z - height).abs() < 0.0015, "{}: {}", gait.name, creature.torso());
         live(&mut creature, 240, 6.5, still);
-        let drift = creature.torso() - DVec3::new(0.0, 0.0, height);
-        assert!(drift.x.abs() <= 0.02 && drift.y.abs() <= 0.02, "height {height}: drift {drift}");
+        let drift = creature.torso() - DVec3::Z * height;
+        assert!(drift.truncate().abs().max_element() < 1e-4, "{}: {drift}", gait.name);
+        assert!(creature.world.kinetic_energy() < 1e-20, "{}", gait.name);
     }
 }
 

@@ -1,2 +1,0 @@
--- digest: of one genotype.
-SELECT digest FROM genotype WHERE individual = ?
