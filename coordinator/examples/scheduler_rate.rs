@@ -45,7 +45,7 @@ fn rate(workers: u32, queues: usize) -> f64 {
     };
 
     let start = Instant::now();
-    let (mut settled_count, mut now, mut round) = (0, Millis(0), 0);
+    let (mut settled_count, mut round) = (0, 0);
     for generation in 0..GENERATIONS {
         for (at, queue) in queues.iter().enumerate() {
             let evaluations = (0..GENERATION / queues.len() as u64).map(|index| Evaluation {
@@ -60,7 +60,7 @@ fn rate(workers: u32, queues: usize) -> f64 {
         }
         let mut held: Vec<(WorkerId, Vec<AttemptId>)> = Vec::new();
         loop {
-            now = Millis(start.elapsed().as_millis() as u64);
+            let now = Millis(start.elapsed().as_millis() as u64);
             round += 1;
             for order in scheduler.dispatch(now) {
                 match order {
