@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 const GENERATION: u64 = 10_000;
-const GENERATIONS: u64 = 100;
+const GENERATIONS: u64 = 30;
 
 fn main() {
     println!("workers  queues  evaluations/s  microseconds each");
@@ -45,7 +45,7 @@ fn rate(workers: u32, queues: usize) -> f64 {
     };
 
     let start = Instant::now();
-    let (mut settled_count, mut now) = (0, Millis(0));
+    let (mut settled_count, mut round) = (0, 0);
     for generation in 0..GENERATIONS {
         for (at, queue) in queues.iter().enumerate() {
             let evaluations = (0..GENERATION / queues.len() as u64).map(|index| Evaluation {
@@ -60,7 +60,8 @@ fn rate(workers: u32, queues: usize) -> f64 {
         }
         let mut held: Vec<(WorkerId, Vec<AttemptId>)> = Vec::new();
         loop {
-            now.0 += 1;
+            let now = Millis(start.elapsed().as_millis() as u64);
+            round += 1;
             for order in scheduler.dispatch(now) {
                 match order {
                     Order::Tell { worker, assigned, .. } => {
@@ -73,10 +74,8 @@ fn rate(workers: u32, queues: usize) -> f64 {
                     Order::Dismiss { .. } => unreachable!("nobody is silent"),
                 }
             }
-            // Heartbeats of all workers, a thousandth of them a round.
-            if let Some(id) = ids.get(now.0 as usize % ids.len()) {
-                scheduler.heard(*id, now);
-            }
+            // Heartbeats come in between.
+            scheduler.heard(ids[round % ids.len()], now);
             let Some((worker, attempts)) = held.pop() else { break };
             for attempt in attempts {
                 let news = News::Outcome(outcome.clone());

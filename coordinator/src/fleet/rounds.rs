@@ -175,7 +175,6 @@ impl Rounds {
         };
         // A stream that is gone by now is found out by the one who holds its other end.
         let _ = session.send(Kind::Welcome(welcome));
-        tracing::info!(worker = joined.name, host = joined.host, slots = joined.slots, "worker attached");
         self.sessions.insert(worker, (session, joined.name.clone()));
         // Nobody listening is no error.
         let _ = self.changes.send(Change::Joined(joined));
@@ -186,7 +185,6 @@ impl Rounds {
     fn close(&mut self, worker: WorkerId, loss: Loss, now: Millis) {
         self.scheduler.lose(worker, loss, now);
         let Some((_, name)) = self.sessions.remove(&worker) else { return };
-        tracing::info!(worker = name, reason = loss.word(), "worker gone");
         // Nobody listening is no error.
         let _ = self.changes.send(Change::Left { name, reason: loss.word() });
     }

@@ -181,3 +181,69 @@ impl Mouth {
         let _ = self.events.send(event).await;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scheduler::{Evaluation, TaskText};
+    use std::sync::Arc;
+    use v1::coordinator_message::Kind;
+
+    type Messages = mpsc::Receiver<Result<v1::CoordinatorMessage, Status>>;
+
+    fn session(capacity: usize) -> (Session, Messages) {
+        let (outbox, messages) = mpsc::channel(capacity);
+        (Session::new(outbox, oneshot::channel().0), messages)
+    }
+
+    fn assignments(count: u64, size: usize) -> Vec<Assignment> {
+        let task = Arc::new(TaskText::new("probe", 1, "{}"));
+        let genotype = Bytes::from(vec![0; size]);
+        let one = |id| Assignment {
+            number: 1,
+            evaluation: Evaluation {
+                id,
+                order: (1, 1, id as u32),
+                task: task.clone(),
+                genotype: genotype.clone(),
+                seed: id,
+                cull: None,
+            },
+        };
+        (0..count).map(one).collect()
+    }
+
+    #[test]
+    fn a_stream_is_stuck_from_its_last_taken_message_on() {
+        let (mut session, mut messages) = session(8);
+        assert_eq!(session.stuck_since(Millis(10)), None);
+        session.tell(vec![], assignments(1, 4)).unwrap(); // a task and a batch
+        assert_eq!(session.stuck_since(Millis(20)), Some(Millis(10)));
+        messages.try_recv().unwrap().unwrap();
+        assert_eq!(session.stuck_since(Millis(30)), Some(Millis(30)), "it has taken one");
+        assert_eq!(session.stuck_since(Millis(40)), Some(Millis(30)));
+        messages.try_recv().unwrap().unwrap();
+        assert_eq!(session.stuck_since(Millis(50)), None);
+    }
+
+    #[test]
+    fn a_stream_that_is_full_or_gone_says_so() {
+        let (mut session, messages) = session(1);
+        assert_eq!(session.tell(vec![], assignments(1, 4)).unwrap_err().0, Loss::Stalled);
+        drop(messages);
+        assert_eq!(session.tell(vec![], assignments(1, 4)).unwrap_err().0, Loss::Broke);
+    }
+
+    #[test]
+    fn large_genotypes_go_out_in_several_messages_in_order() {
+        let (mut session, mut messages) = session(64);
+        session.tell(vec![], assignments(7, BATCH_SIZE_MAX / 2)).unwrap();
+        let mut batches = Vec::new();
+        while let Ok(Ok(message)) = messages.try_recv() {
+            if let Some(Kind::Batch(batch)) = message.kind {
+                batches.push(batch.assignments.iter().map(|one| one.seed).collect::<Vec<_>>());
+            }
+        }
+        assert_eq!(batches, [vec![0, 1], vec![2, 3], vec![4, 5], vec![6]]);
+    }
+}

@@ -1,8 +1,10 @@
 //! Handing out: ready evaluations to the least loaded workers in fair shares, suspects to workers of their
 //! own, and stragglers a second time. It ends no lease.
 
+use super::queue::Queue;
 use super::worker::Load;
-use super::{Assignment, AttemptId, Millis, Scheduler, WorkerId};
+use super::{Assignment, AttemptId, Millis, QueueId, Scheduler, WorkerId};
+use std::collections::BTreeMap;
 
 /// A lease younger than this is not worth a second attempt, milliseconds.
 const STRAGGLER_LEAST_MS: u64 = 50;
@@ -78,20 +80,21 @@ impl Scheduler {
         if self.free.first().is_none_or(|&(load, _)| load >= Load::BUSY) {
             return;
         }
+        // Asked once a queue and not once a lease: there may be many leases, and most are young.
+        let due: BTreeMap<QueueId, u64> =
+            self.queues.iter().filter_map(|(&id, queue)| Some((id, straggles_after_ms(queue)?))).collect();
         let mut stragglers = Vec::new();
         for lease in self.workers.values().flat_map(|worker| worker.leases()) {
-            if now.since(lease.since) < STRAGGLER_LEAST_MS {
+            let is_late = match lease.begun {
+                None => now.since(lease.since) >= STRAGGLER_LEAST_MS,
+                Some(begun) => due.get(&lease.queue).is_some_and(|&due| now.since(begun) >= due),
+            };
+            if !is_late || self.queues[&lease.queue].paused {
                 continue;
             }
-            let entry = &self.evaluations[&lease.attempt.evaluation];
-            let queue = &self.queues[&entry.queue];
-            let is_late = lease.begun.is_none_or(|begun| {
-                let median = queue.durations.median();
-                let due = median.map(|median| (median * 1e3 * STRAGGLER_MEDIANS) as u64);
-                due.is_some_and(|due| now.since(begun) >= due.max(STRAGGLER_LEAST_MS))
-            });
             // What has a strike is not risked on a second worker.
-            if is_late && !queue.paused && entry.strikes() == 0 && entry.outstanding().count() == 1 {
+            let entry = &self.evaluations[&lease.attempt.evaluation];
+            if entry.strikes() == 0 && entry.outstanding().count() == 1 {
                 stragglers.push((lease.since, lease.attempt.evaluation));
             }
         }
@@ -111,10 +114,17 @@ impl Scheduler {
         let entry = self.evaluations.get_mut(&evaluation).expect("what is handed out is open");
         let state = self.workers.get_mut(&worker).expect("evaluations go to attached workers");
         let number = entry.number();
-        let seat = state.seat(AttemptId { evaluation, number }, now);
+        let seat = state.seat(AttemptId { evaluation, number }, entry.queue, now);
         entry.attempt(number, worker, state.name.clone(), seat, alone);
         state.assigned.push(Assignment { number, evaluation: entry.evaluation.clone() });
         self.told.insert(worker);
         self.file_worker(worker);
     }
+}
+
+/// How long an evaluation of a queue may run before it is tried elsewhere as well, milliseconds. `None` while
+/// too little is known of the queue.
+fn straggles_after_ms(queue: &Queue) -> Option<u64> {
+    let median = queue.durations.median()?;
+    Some(((median * 1e3 * STRAGGLER_MEDIANS) as u64).max(STRAGGLER_LEAST_MS))
 }

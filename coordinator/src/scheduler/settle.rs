@@ -141,17 +141,17 @@ impl Scheduler {
     /// Restores the lease of an attempt that a worker has brought back, or revokes it if nobody needs it.
     pub(super) fn restore(&mut self, worker: WorkerId, attempt: AttemptId, now: Millis) {
         let state = self.workers.get_mut(&worker).expect("the caller has attached it");
-        let at = self.evaluations.get(&attempt.evaluation).and_then(|entry| {
+        let wanted = self.evaluations.get(&attempt.evaluation).and_then(|entry| {
             let at = entry.find(attempt.number, &state.name).filter(|&at| entry.attempts[at].restorable)?;
             let is_here = entry.outstanding().any(|tried| tried.worker == worker);
-            (!is_here && entry.outstanding().count() < OUTSTANDING_MAX).then_some(at)
+            (!is_here && entry.outstanding().count() < OUTSTANDING_MAX).then_some((at, entry.queue))
         });
-        let Some(at) = at else {
+        let Some((at, queue)) = wanted else {
             state.revoked.push(attempt);
             self.told.insert(worker);
             return;
         };
-        let seat = state.seat(attempt, now);
+        let seat = state.seat(attempt, queue, now);
         self.withdraw(attempt.evaluation);
         let entry = self.evaluations.get_mut(&attempt.evaluation).expect("it was found above");
         let tried = &mut entry.attempts[at];

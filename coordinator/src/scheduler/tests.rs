@@ -327,6 +327,63 @@ fn a_worker_that_comes_back_with_an_evaluation_clears_it() {
 }
 
 #[test]
+fn an_evaluation_that_was_cleared_may_be_tried_twice_as_any_straggler() {
+    Rig::new().run(&[
+        Join(A),
+        Submit(0, 4),
+        Report(A, 0),
+        Report(A, 1),
+        Report(A, 2),
+        Lose(A),
+        Back(A),
+        Join(B),
+        Advance(HEARTBEAT),
+        Holds(A, &[3]),
+        Holds(B, &[3]),
+    ]);
+}
+
+#[test]
+fn what_may_have_ended_a_worker_is_not_risked_on_two() {
+    Rig::new().run(&[
+        Join(A),
+        Submit(0, 4),
+        Report(A, 0),
+        Report(A, 1),
+        Report(A, 2),
+        Lose(A),
+        Join(B),
+        Join(C),
+        Advance(HEARTBEAT),
+        Holds(B, &[3]),
+        Holds(C, &[]),
+    ]);
+}
+
+#[test]
+fn the_third_strike_falls_only_on_a_worker_of_its_own() {
+    Rig::new().run(&[
+        Submit(0, 1),
+        Join(A),
+        Lose(A),
+        Join(B),
+        Lose(B),
+        Join(C),
+        Holds(C, &[0]),
+        // A is cleared, and runs it beside C without having been emptied for it.
+        Back(A),
+        Holds(A, &[0]),
+        Lose(C),
+        Lose(A),
+        SetAside(&[]),
+        Join(D),
+        Holds(D, &[0]),
+        Lose(D),
+        SetAside(&[0]),
+    ]);
+}
+
+#[test]
 fn a_failure_is_tried_again_elsewhere_and_the_third_one_sets_aside() {
     let rig = Rig::new().run(&[
         Submit(0, 1),

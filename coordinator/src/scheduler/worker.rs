@@ -1,7 +1,7 @@
 //! One attached worker: its window, and the leases it holds in the order in which it works on them. It knows
 //! nothing of queues.
 
-use super::{Assignment, AttemptId, Millis};
+use super::{Assignment, AttemptId, Millis, QueueId};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -83,6 +83,7 @@ pub struct WorkerInfo {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lease {
     pub(super) attempt: AttemptId,
+    pub(super) queue: QueueId,
     /// When it was handed out.
     pub(super) since: Millis,
     /// When it came to stand among the first `slots`, so that the worker may have begun it.
@@ -152,13 +153,13 @@ impl Worker {
     }
 
     /// Takes a lease on and gives its seat.
-    pub(super) fn seat(&mut self, attempt: AttemptId, now: Millis) -> u64 {
+    pub(super) fn seat(&mut self, attempt: AttemptId, queue: QueueId, now: Millis) -> u64 {
         let seat = self.seat_next;
         self.seat_next += 1;
         if self.running.len() < self.slots as usize {
-            self.running.insert(seat, Lease { attempt, since: now, begun: Some(now) });
+            self.running.insert(seat, Lease { attempt, queue, since: now, begun: Some(now) });
         } else {
-            self.waiting.insert(seat, Lease { attempt, since: now, begun: None });
+            self.waiting.insert(seat, Lease { attempt, queue, since: now, begun: None });
         }
         seat
     }
