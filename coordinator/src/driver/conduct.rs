@@ -318,8 +318,14 @@ impl Conductor {
         let mut touched = Vec::new();
         for one in settled {
             let id = IndividualId(one.id);
-            let Some((&first, run)) = waiting.range_mut(..=id).next_back() else { continue };
-            let Some(index) = run.generation.index(id) else { continue };
+            let waits = waiting.range_mut(..=id).next_back().and_then(|(&first, run)| {
+                let index = run.generation.index(id)?;
+                Some((first, run, index))
+            });
+            let Some((first, run, index)) = waits else {
+                tracing::error!(experiment = %self.id, individual = id.0, "an outcome for which no run waits");
+                continue;
+            };
             let heirs = run.generation.settle(index, one.result.as_ref().ok().cloned());
             evaluated.push(Evaluated {
                 individual: id,
