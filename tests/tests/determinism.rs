@@ -72,7 +72,7 @@ fn a_coordinator_killed_ten_times_goes_on_to_the_same_lineage() {
 /// Outcomes of a microsecond come back while the generation is still being handed out: none may be missed.
 #[test]
 fn an_outcome_that_comes_at_once_finds_its_run_waiting() {
-    let text = probe(9, 2, 150, 0).replace("runs = 1", "runs = 6");
+    let text = probe(9, 2, 40, 0).replace("runs = 1", "runs = 120");
     let hatchery = Hatchery::with_workers(2);
     hatchery.wait_attached(2);
     let id = hatchery.submit(&text);
