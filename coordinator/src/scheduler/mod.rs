@@ -455,4 +455,6 @@ mod properties;
 #[cfg(test)]
 mod rig;
 #[cfg(test)]
+mod suspects;
+#[cfg(test)]
 mod tests;

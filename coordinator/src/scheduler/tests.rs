@@ -6,17 +6,17 @@ use super::*;
 use crate::lineage::Fate;
 use creatures::{Cull, Interim, Outcome, Status, Verdict};
 
-const A: char = 'A';
-const B: char = 'B';
-const C: char = 'C';
-const D: char = 'D';
+pub(super) const A: char = 'A';
+pub(super) const B: char = 'B';
+pub(super) const C: char = 'C';
+pub(super) const D: char = 'D';
 
-fn fates(rig: &Rig, evaluation: u64) -> Vec<(u32, String, String)> {
+pub(super) fn fates(rig: &Rig, evaluation: u64) -> Vec<(u32, String, String)> {
     let attempts = rig.settled[&evaluation].attempts.iter();
     attempts.map(|attempt| (attempt.number, attempt.worker.clone(), attempt.fate.word())).collect()
 }
 
-fn fate(number: u32, worker: char, fate: &str) -> (u32, String, String) {
+pub(super) fn fate(number: u32, worker: char, fate: &str) -> (u32, String, String) {
     (number, worker.to_string(), fate.to_owned())
 }
 
@@ -218,205 +218,6 @@ fn a_report_on_an_attempt_of_somebody_else_changes_nothing() {
     }
     rig.apply(&Settled(&[]));
     rig.apply(&Holds(A, &[0]));
-}
-
-#[test]
-fn a_genotype_that_kills_three_workers_is_set_aside() {
-    let rig = Rig::new().run(&[
-        Submit(0, 1),
-        Join(A),
-        Lose(A),
-        Join(B),
-        Lose(B),
-        Join(C),
-        Holds(C, &[0]),
-        SetAside(&[]),
-        Lose(C),
-        SetAside(&[0]),
-    ]);
-    let reason = &rig.settled[&0].result.as_ref().unwrap_err().reason;
-    assert_eq!(reason, "three attempts ended badly (A: stream broke; B: stream broke; C: stream broke)");
-}
-
-#[test]
-fn the_neighbours_of_a_genotype_that_kills_are_not_set_aside() {
-    let rig = Rig::new().run(&[
-        Submit(0, 2),
-        JoinWith(A, 2, 2),
-        Lose(A),
-        JoinWith(B, 2, 2),
-        Holds(B, &[0, 1]),
-        Lose(B),
-        // Both are suspects now: each gets a worker for itself alone.
-        JoinWith(C, 2, 2),
-        Holds(C, &[0]),
-        Lose(C),
-        SetAside(&[0]),
-        Join(D),
-        Holds(D, &[1]),
-        Report(D, 1),
-        Settled(&[0, 1]),
-        SetAside(&[0]),
-    ]);
-    assert_eq!(rig.settled[&1].result, Ok(outcome(1)));
-}
-
-#[test]
-fn a_suspect_waits_until_its_worker_is_empty_and_nothing_joins_it() {
-    Rig::new().run(&[
-        Submit(0, 1),
-        Join(A),
-        Lose(A),
-        Join(B),
-        Lose(B),
-        Pause(0),
-        Open(1),
-        JoinWith(C, 2, 4),
-        Submit(1, 5),
-        Holds(C, &[1, 2, 3, 4]),
-        Resume(0),
-        Report(C, 1),
-        Report(C, 2),
-        Report(C, 3),
-        Holds(C, &[4]),
-        Report(C, 4),
-        Holds(C, &[0]),
-        Report(C, 0),
-        Holds(C, &[5]),
-    ]);
-}
-
-#[test]
-fn what_had_not_begun_is_not_suspected() {
-    let rig = Rig::new().run(&[
-        Submit(0, 3),
-        Join(A),
-        Lose(A),
-        Join(B),
-        Lose(B),
-        Join(C),
-        Lose(C),
-        Join(D),
-        Holds(D, &[1, 2]),
-        Report(D, 1),
-        Report(D, 2),
-        SetAside(&[0]),
-    ]);
-    // 1 waited behind 0 on A and B, and began nowhere but on D.
-    let reasons: Vec<_> = fates(&rig, 1).into_iter().map(|(_, worker, _)| worker).collect();
-    assert_eq!(reasons, ["A", "B", "D"]);
-}
-
-#[test]
-fn a_worker_that_comes_back_with_an_evaluation_clears_it() {
-    Rig::new().run(&[
-        Submit(0, 1),
-        Join(A),
-        Lose(A),
-        Back(A),
-        Lose(A),
-        Back(A),
-        Lose(A),
-        Back(A),
-        Lose(A),
-        Back(A),
-        SetAside(&[]),
-        Report(A, 0),
-        Settled(&[0]),
-    ]);
-}
-
-#[test]
-fn an_evaluation_that_was_cleared_may_be_tried_twice_as_any_straggler() {
-    Rig::new().run(&[
-        Join(A),
-        Submit(0, 4),
-        Report(A, 0),
-        Report(A, 1),
-        Report(A, 2),
-        Lose(A),
-        Back(A),
-        Join(B),
-        Advance(HEARTBEAT),
-        Holds(A, &[3]),
-        Holds(B, &[3]),
-    ]);
-}
-
-#[test]
-fn what_may_have_ended_a_worker_is_not_risked_on_two() {
-    Rig::new().run(&[
-        Join(A),
-        Submit(0, 4),
-        Report(A, 0),
-        Report(A, 1),
-        Report(A, 2),
-        Lose(A),
-        Join(B),
-        Join(C),
-        Advance(HEARTBEAT),
-        Holds(B, &[3]),
-        Holds(C, &[]),
-    ]);
-}
-
-#[test]
-fn the_third_strike_falls_only_on_a_worker_of_its_own() {
-    Rig::new().run(&[
-        Submit(0, 1),
-        Join(A),
-        Lose(A),
-        Join(B),
-        Lose(B),
-        Join(C),
-        Holds(C, &[0]),
-        // A is cleared, and runs it beside C without having been emptied for it.
-        Back(A),
-        Holds(A, &[0]),
-        Lose(C),
-        Lose(A),
-        SetAside(&[]),
-        Join(D),
-        Holds(D, &[0]),
-        Lose(D),
-        SetAside(&[0]),
-    ]);
-}
-
-#[test]
-fn a_failure_is_tried_again_elsewhere_and_the_third_one_sets_aside() {
-    let rig = Rig::new().run(&[
-        Submit(0, 1),
-        Join(A),
-        Join(B),
-        Fail(A, false),
-        Holds(B, &[0]),
-        Fail(B, false),
-        Holds(A, &[0]),
-        Fail(A, false),
-        SetAside(&[0]),
-    ]);
-    assert_eq!(
-        fates(&rig, 0),
-        [fate(1, A, "failed:it broke"), fate(2, B, "failed:it broke"), fate(3, A, "failed:it broke")]
-    );
-}
-
-#[test]
-fn a_lasting_failure_sets_aside_at_once() {
-    let rig = Rig::new().run(&[Submit(0, 1), Join(A), Fail(A, true), SetAside(&[0])]);
-    assert_eq!(rig.settled[&0].result.as_ref().unwrap_err().reason, "it broke");
-}
-
-#[test]
-fn a_worker_that_fails_everything_takes_nobody_down() {
-    let mut rig = Rig::new().run(&[Join(A), JoinWith(B, 1, 1), Submit(0, 20)]);
-    for _ in 0..200 {
-        rig.apply(&Fail(A, false));
-        rig.apply(&ReportFirst(B));
-    }
-    rig.apply(&SetAside(&[]));
-    assert_eq!(rig.settled.len(), 20);
 }
 
 #[test]
