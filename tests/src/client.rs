@@ -104,14 +104,32 @@ impl Client {
         }
     }
 
-    /// Waits for an experiment to finish.
+    /// Waits for an experiment to finish, by watching it: a question again and again would be work for the
+    /// coordinator that is waited for.
     ///
     /// # Panics
     /// When it fails, is cancelled or takes too long.
     pub fn wait(&self, id: u64) -> v1::Experiment {
-        let experiment = self.wait_until(id, |e| !matches!(e.state.as_str(), "running" | "paused"));
+        let request = v1::WatchRequest { experiment: id.to_string() };
+        // A coordinator that is away, or goes away meanwhile, is watched anew.
+        let watching = async {
+            while self.watch(&request).await.is_err() {
+                tokio::time::sleep(Duration::from_millis(20)).await;
+            }
+        };
+        let watched = self.converse(async { tokio::time::timeout(PATIENCE, watching).await });
+        let experiment = self.experiment(id).expect("the experiment was submitted");
+        assert!(watched.is_ok(), "waited {PATIENCE:?} in vain: {experiment:#?}");
         assert_eq!(experiment.state, "finished", "{}", experiment.reason);
         experiment
+    }
+
+    /// Returns when the experiment has ended.
+    async fn watch(&self, request: &v1::WatchRequest) -> Result<(), Status> {
+        let mut experiments = ExperimentsClient::new(self.channel.clone());
+        let mut events = experiments.watch(request.clone()).await?.into_inner();
+        while events.message().await?.is_some() {}
+        Ok(())
     }
 
     /// The lineage hash of an experiment, in hexadecimal.

@@ -3,7 +3,7 @@
 //! takes longer. The cost of an evaluation is G-77.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use hatchery_benches::report::Report;
 use hatchery_tests::local::{Lived, experiment, history};
@@ -12,8 +12,6 @@ use serde_json::{Value, json};
 
 const REPEATS: usize = 3;
 const RUNS: u32 = 4;
-/// Every experiment here takes longer than that.
-const BEFORE_ASKING: Duration = Duration::from_millis(800);
 
 fn main() {
     let columns = ["body", "search", "threads", "path", "episodes_per_second", "ms_per_episode", "overhead"];
@@ -75,12 +73,11 @@ fn bare(lived: &[Lived], spec: &str, threads: usize) -> f64 {
 }
 
 /// Seconds from the beginning of the first generation to the end of the last, with that many workers of one
-/// slot. The lineage tells, so that nobody has to ask while the clock runs.
+/// slot.
 fn whole(text: &str, workers: usize) -> f64 {
     let hatchery = Hatchery::with_workers(workers);
     hatchery.wait_attached(workers);
     let id = hatchery.submit(text);
-    std::thread::sleep(BEFORE_ASKING);
     hatchery.client().wait(id);
     hatchery.client().count("SELECT max(ended_ms) - min(begun_ms) FROM v_generations") as f64 / 1000.0
 }
