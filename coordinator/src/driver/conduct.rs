@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use bytes::Bytes;
 use creatures::{Cull, Outcome};
@@ -23,6 +23,10 @@ use crate::lineage::{
 
 /// The one stage of a run whose search is a plain genetic algorithm.
 const STAGE: u32 = 0;
+/// How long an outcome may wait for others to be committed with it; as much is evaluated again after a kill.
+const WRITE_WITHIN: Duration = Duration::from_millis(50);
+/// So many outcomes are committed at once.
+const WRITE_AT: usize = 1024;
 
 /// Why an experiment cannot go on.
 #[derive(Debug, thiserror::Error)]
@@ -37,6 +41,19 @@ enum ConductError {
         "run {run}, generation {generation}: the search now asks for other individuals than stand in the lineage"
     )]
     OtherHistory { run: u32, generation: u32 },
+}
+
+/// What was settled and is not on disk yet: a commit an outcome would cost more than many an evaluation.
+struct Unwritten {
+    evaluated: Vec<Evaluated>,
+    /// By when it is written.
+    due: tokio::time::Instant,
+}
+
+impl Default for Unwritten {
+    fn default() -> Self {
+        Unwritten { evaluated: Vec::new(), due: tokio::time::Instant::now() }
+    }
 }
 
 /// One run under way.
@@ -105,6 +122,7 @@ impl Conductor {
         // Runs by the id of the first individual of their generation: ids are contiguous.
         let mut waiting: BTreeMap<IndividualId, Run> = BTreeMap::new();
         let mut turning: JoinSet<Result<Option<Run>, ConductError>> = JoinSet::new();
+        let mut unwritten = Unwritten::default();
         for number in 1..=self.experiment.runs {
             if let Some(run) = self.take_up(stored, number).await? {
                 self.clone().place(run, &mut waiting, &mut turning).await;
@@ -112,7 +130,10 @@ impl Conductor {
         }
         while !(waiting.is_empty() && turning.is_empty()) {
             tokio::select! {
-                () = stopped(&mut stopping) => return Ok(false),
+                () = stopped(&mut stopping) => {
+                    self.write(&mut unwritten).await?;
+                    return Ok(false);
+                }
                 Some(turned) = turning.join_next() => {
                     let turned = turned.expect("a turn neither panics nor is aborted while it is awaited")?;
                     if let Some(run) = turned {
@@ -120,11 +141,21 @@ impl Conductor {
                     }
                 }
                 settled = output.next() => {
-                    let Some(settled) = settled else { return Ok(false) };
+                    let Some(settled) = settled else {
+                        self.write(&mut unwritten).await?;
+                        return Ok(false);
+                    };
                     self.report(output.take_conflicts()).await?;
-                    for run in self.settle(settled, &mut waiting).await? {
+                    let complete = self.settle(settled, &mut waiting, &mut unwritten);
+                    if !complete.is_empty() || unwritten.evaluated.len() >= WRITE_AT {
+                        self.write(&mut unwritten).await?;
+                    }
+                    for run in complete {
                         self.clone().place(run, &mut waiting, &mut turning).await;
                     }
+                }
+                () = tokio::time::sleep_until(unwritten.due), if !unwritten.evaluated.is_empty() => {
+                    self.write(&mut unwritten).await?;
                 }
             }
         }
@@ -308,13 +339,18 @@ impl Conductor {
         Ok(run)
     }
 
-    /// Records what the fleet has settled and gives the runs that miss nothing any more.
-    async fn settle(
+    /// Notes what the fleet has settled, to be written soon, and gives the runs that miss nothing any more:
+    /// before they turn it must be written.
+    fn settle(
         &self,
         settled: Vec<Settled>,
         waiting: &mut BTreeMap<IndividualId, Run>,
-    ) -> Result<Vec<Run>, ConductError> {
-        let mut evaluated = Vec::with_capacity(settled.len());
+        unwritten: &mut Unwritten,
+    ) -> Vec<Run> {
+        if unwritten.evaluated.is_empty() {
+            unwritten.due = tokio::time::Instant::now() + WRITE_WITHIN;
+        }
+        let evaluated = &mut unwritten.evaluated;
         let mut touched = Vec::new();
         for one in settled {
             let id = IndividualId(one.id);
@@ -339,7 +375,6 @@ impl Conductor {
                 touched.push(first);
             }
         }
-        self.driver.shared.lineage.record(evaluated).await?;
         touched.sort_unstable();
         touched.dedup();
         let mut complete = Vec::new();
@@ -350,7 +385,13 @@ impl Conductor {
                 complete.extend(waiting.remove(&first));
             }
         }
-        Ok(complete)
+        complete
+    }
+
+    /// Commits what was settled.
+    async fn write(&self, unwritten: &mut Unwritten) -> Result<(), ConductError> {
+        self.driver.shared.lineage.record(std::mem::take(&mut unwritten.evaluated)).await?;
+        Ok(())
     }
 
     /// Writes down that two workers disagreed: one of them cannot be trusted (walker X-18).
