@@ -25,8 +25,7 @@ run: ## Evolve the quick start: crawlers under gene regulatory networks
 	cargo run --release -- run experiments/quickstart.toml
 
 bench: ## Measure engine, evaluation, dispatch and lineage, each against its peer in one run
-	cargo build --release --bins
-	cargo build --release --bins -p coordinator -p worker -p hatchery-benches
+	cargo build --release --bins --workspace
 	for bench in engine evaluation dispatch lineage; do target/release/$$bench || exit 1; done
 
 peers: $(PEERS)/installed ## Measure MuJoCo, a Python process pool and Ray under the same loads

@@ -39,8 +39,8 @@ fn build() -> PathBuf {
     let fresh = |name: &&str| modified(&folder.join(name)) >= sources;
     if !PROGRAMS.iter().all(fresh) {
         let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-        cargo.current_dir(workspace()).args(["build", "--quiet", "--bins"]);
-        cargo.args(["-p", "hatchery", "-p", "coordinator", "-p", "worker", "-p", "hatchery-tests"]);
+        // All of the workspace, as everywhere: a part of it would be built anew with other features.
+        cargo.current_dir(workspace()).args(["build", "--quiet", "--bins", "--workspace"]);
         if !cfg!(debug_assertions) {
             cargo.arg("--release");
         }
