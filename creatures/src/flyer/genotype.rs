@@ -291,3 +291,6 @@ fn within(field: &str, value: f64, range: RangeInclusive<f64>) -> Result<(), Fau
 fn fault(field: &str, problem: String) -> Fault {
     (field.to_owned(), problem)
 }
+
+#[cfg(test)]
+mod tests;

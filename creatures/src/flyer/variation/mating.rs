@@ -29,7 +29,7 @@ impl Genotype {
 /// The nodes of one parent before `until`, then those of the other from `from` on, as many as are legal.
 /// References move with their nodes (F-63). Both sides of the seam are reconnected, and so is a node that
 /// has lost its successor to the limit (F-64).
-fn splice(
+pub(super) fn splice(
     head: &Genotype,
     until: usize,
     tail: &Genotype,

@@ -199,7 +199,7 @@ fn each<T>(
 }
 
 /// A value that has left its range, reflected once at the bound that it crossed, then clamped.
-fn reflect(value: f64, range: RangeInclusive<f64>) -> f64 {
+pub(super) fn reflect(value: f64, range: RangeInclusive<f64>) -> f64 {
     let (low, high) = range.into_inner();
     let reflected = if value < low {
         2.0 * low - value
