@@ -49,8 +49,9 @@ fn a_genotype_carries_its_version_in_front_and_survives_the_wire() {
 ///
 #[test]
 fn a_gene_that_is_no_finite_number_is_refused_by_name() {
+    type Gene = fn(&mut Genotype) -> &mut f64;
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        let spoilt: [(&str, fn(&mut Genotype) -> &mut f64); 5] = [
+        let spoilt: [(&str, Gene); 5] = [
             ("nodes[0].length", |genotype| &mut genotype.nodes[0].length),
             ("nodes[0].radius", |genotype| &mut genotype.nodes[0].radius),
             ("nodes[1].psi", |genotype| &mut genotype.nodes[1].psi),
