@@ -1,6 +1,7 @@
 //! Keyed random streams: a draw is named by where it is used, never by when. No stream is shared, none
 //! outlives its purpose, none is saved.
 
+use crate::math::{cos, log};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -48,6 +49,12 @@ impl Stream {
         self.unit() < probability
     }
 
+    /// Normal with mean 0 and standard deviation 1, by Box and Muller's transform; two draws each.
+    pub fn normal(&mut self) -> f64 {
+        let (radius, angle) = (1.0 - self.unit(), self.unit());
+        (-2.0 * log(radius)).sqrt() * cos(std::f64::consts::TAU * angle)
+    }
+
     /// Fills a buffer with uniform bytes.
     pub fn fill(&mut self, bytes: &mut [u8]) {
         self.0.fill_bytes(bytes);
@@ -68,6 +75,15 @@ mod tests {
         {
             assert_ne!(here, other);
         }
+    }
+
+    #[test]
+    fn normal_draws_have_their_mean_and_deviation() {
+        let mut draws = stream(3, [0, 0, 0], "normal");
+        let values: Vec<f64> = (0..20_000).map(|_| draws.normal()).collect();
+        let mean = values.iter().sum::<f64>() / 20_000.0;
+        let square = values.iter().map(|value| value * value).sum::<f64>() / 20_000.0;
+        assert!(mean.abs() < 0.03 && (square - 1.0).abs() < 0.05, "{mean}, {square}");
     }
 
     #[test]

@@ -1,0 +1,53 @@
+//! Founders: genotypes drawn at random (F-11), and the random nodes of which they are made.
+
+use super::Settings;
+use super::sources::Offer;
+use crate::flyer::genotype::{
+    BODY, BODY_RADIUS, FIRST_SEGMENT, LENGTH, NODES, PSI, THETA, WING_RADIUS, effectors,
+};
+use crate::flyer::{Effector, Genotype, Neuron, Node};
+use crate::random::Stream;
+use std::ops::RangeInclusive;
+
+impl Genotype {
+    /// A founder: 1 to 8 wing segments, every gene uniform in its range, every input uniform over all
+    /// sensors and neurons (F-11).
+    pub fn random(settings: &Settings, stream: &mut Stream) -> Genotype {
+        let count = stream.within(*NODES.start(), *NODES.end());
+        let mut genotype = Genotype { nodes: (0..count).map(|node| Node::bone(node, stream)).collect() };
+        for node in &mut genotype.nodes {
+            node.neurons = draw_neurons(settings, stream);
+        }
+        let offer = Offer::of(&genotype);
+        for inputs in genotype.inputs_mut() {
+            *inputs = offer.draw_inputs(offer.everywhere(), settings, stream);
+        }
+        genotype
+    }
+}
+
+impl Node {
+    /// A node with neurons, still without inputs.
+    pub(super) fn random(index: usize, settings: &Settings, stream: &mut Stream) -> Node {
+        let bone = Node::bone(index, stream);
+        Node { neurons: draw_neurons(settings, stream), ..bone }
+    }
+
+    /// A node without neurons, its effectors still without inputs.
+    fn bone(index: usize, stream: &mut Stream) -> Node {
+        let mut uniform = |range: RangeInclusive<f64>| stream.between(*range.start(), *range.end());
+        let length = uniform(LENGTH);
+        let radius = if index == BODY { uniform(BODY_RADIUS) } else { WING_RADIUS };
+        let (mut lpercent, mut theta, mut psi) = (0, 0.0, 0.0);
+        if index >= FIRST_SEGMENT {
+            (theta, psi) = (uniform(THETA), uniform(PSI));
+            lpercent = u8::from(stream.chance(0.5));
+        }
+        let effectors = vec![Effector { inputs: Vec::new() }; effectors(index)];
+        Node { length, radius, lpercent, theta, psi, neurons: Vec::new(), effectors }
+    }
+}
+
+fn draw_neurons(settings: &Settings, stream: &mut Stream) -> Vec<Neuron> {
+    (0..stream.within(1, settings.max_neurons)).map(|_| Neuron::random(settings, stream)).collect()
+}
