@@ -12,7 +12,19 @@ use std::collections::BTreeMap;
 pub(crate) struct Scored {
     pub(crate) genotype: GenotypeBytes,
     pub(crate) fitness: f64,
-    culled: bool,
+    ending: Ending,
+}
+
+/// What its ending means to a search.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Ending {
+    /// Its fitness is what it reached.
+    Completed,
+    /// Stopped by a cutoff that holds for its generation alone.
+    Culled,
+    /// Aborted, or set aside by the service.
+    Discarded,
 }
 
 impl Scored {
@@ -20,8 +32,17 @@ impl Scored {
         Scored {
             genotype: GenotypeBytes(genotype),
             fitness: selection::fitness(outcome),
-            culled: outcome.is_some_and(|outcome| outcome.status == Status::Culled),
+            ending: match outcome.map(|outcome| outcome.status) {
+                Some(Status::Completed) => Ending::Completed,
+                Some(Status::Culled) => Ending::Culled,
+                Some(Status::Aborted(_)) | None => Ending::Discarded,
+            },
         }
+    }
+
+    /// Whether its fitness is what it reached, and not the 0 of those who were stopped.
+    pub(crate) fn completed(&self) -> bool {
+        self.ending == Ending::Completed
     }
 }
 
@@ -38,7 +59,7 @@ pub(crate) fn inherited<'a>(
 ) -> Vec<Option<Place>> {
     let place = |first: Place, index: usize| Place { index: index as u32, ..first };
     let mut known: BTreeMap<&[u8], Place> = BTreeMap::new();
-    for (index, scored) in previous.enumerate().filter(|(_, scored)| !scored.culled) {
+    for (index, scored) in previous.enumerate().filter(|(_, scored)| scored.ending != Ending::Culled) {
         known.entry(&scored.genotype.0).or_insert(place(first_previous, index));
     }
     let inherit = |(index, genotype): (usize, &'a Vec<u8>)| {
@@ -59,7 +80,7 @@ mod tests {
         let scored = |genotype: &str, culled| Scored {
             genotype: GenotypeBytes(genotype.into()),
             fitness: 1.0,
-            culled,
+            ending: if culled { Ending::Culled } else { Ending::Completed },
         };
         let previous = [scored("a", false), scored("x", true), scored("b", false), scored("a", false)];
         let next = ["a", "c", "c", "x", "a"].map(|genotype| genotype.as_bytes().to_vec());

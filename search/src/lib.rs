@@ -4,6 +4,7 @@
 pub mod checkpoint;
 pub mod culling;
 pub mod experiment;
+pub mod generational;
 pub mod grn;
 pub mod hash;
 mod inheritance;
