@@ -16,6 +16,7 @@ pub mod phenotype;
 pub mod sensors;
 pub mod skeleton;
 pub mod task;
+mod traits;
 pub mod variation;
 
 pub use brain::Brain;

@@ -137,8 +137,7 @@ impl Phenotype {
             root[3 + dof] = joint_stop(*angle, actuator.stop, self.stop_fraction);
         }
         (root[6], root[7]) = gyro(&self.world.rotation(self.limbs[BODY + 1].body));
-        for (pair, (flap, actuator)) in
-            wings.chunks_exact_mut(2).zip(flaps.iter().zip(&self.actuators[3..]))
+        for (pair, (flap, actuator)) in wings.chunks_exact_mut(2).zip(flaps.iter().zip(&self.actuators[3..]))
         {
             pair[0] = joint_angle(*flap, actuator.stop);
             pair[1] = joint_stop(*flap, actuator.stop, self.stop_fraction);

@@ -116,7 +116,8 @@ fn segment(node: &Node, base: &Bone, parent: usize, side: Side) -> Bone {
     let axes = DMat3::from_cols(across, along.cross(across), along);
     let half = 0.5 * node.length;
     let centre = anchor + along * half;
-    let corners = [DVec3::new(0.0, 0.0, -half), DVec3::new(0.0, 0.0, half), axes.transpose() * (far - centre)];
+    let corners =
+        [DVec3::new(0.0, 0.0, -half), DVec3::new(0.0, 0.0, half), axes.transpose() * (far - centre)];
     Bone {
         length: node.length,
         radius: node.radius,

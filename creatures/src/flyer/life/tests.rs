@@ -127,7 +127,8 @@ fn a_creature_below_the_cutoff_stops_after_its_first_quarter() {
         let culled = culled_at(&task, &genotype, Some(above), false);
         assert_eq!((culled.status, culled.fitness, culled.steps), (Status::Culled, 0.0, 375));
         assert_eq!(culled.interim, Some(Interim { step: 375, measure: quarter }));
-        for (cutoff, control) in [(Some(quarter), false), (Some(0.0), false), (None, false), (Some(above), true)]
+        for (cutoff, control) in
+            [(Some(quarter), false), (Some(0.0), false), (None, false), (Some(above), true)]
         {
             let outcome = culled_at(&task, &genotype, cutoff, control);
             assert_eq!((outcome.status, outcome.steps), (Status::Completed, free.steps), "{cutoff:?}");
