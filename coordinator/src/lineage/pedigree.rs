@@ -76,10 +76,8 @@ impl Reader {
             .bind(list(generations))
             .fetch_all(&mut *transaction)
             .await?;
-        let generations: BTreeMap<i64, (u32, u32, i64)> = generations
-            .into_iter()
-            .map(|(id, stage, number, first)| (id, (stage, number, first)))
-            .collect();
+        let generations: BTreeMap<i64, (u32, u32, i64)> =
+            generations.into_iter().map(|(id, stage, number, first)| (id, (stage, number, first))).collect();
         let words: Vec<(String, i64)> = sqlx::query_as(sql!("words")).fetch_all(&mut *transaction).await?;
         let words: BTreeMap<i64, String> = words.into_iter().map(|(text, id)| (id, text)).collect();
 

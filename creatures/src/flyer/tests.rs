@@ -81,10 +81,15 @@ fn live_first_proof() -> crate::Outcome {
 fn proofs_are_legal_and_fly() {
     let proofs = Flyer.proofs();
     assert_eq!(proofs.len(), 6);
-    for proof in &proofs {
+    for (place, proof) in proofs.iter().enumerate() {
         let task = Flyer.task(&proof.task).unwrap();
         task.check(&proof.genotype).unwrap();
         let outcome = task.evaluate(&proof.genotype, proof.seed, None, &mut |_| {}).unwrap();
-        assert_eq!((outcome.status, outcome.steps), (crate::Status::Completed, 100), "{}", outcome.note);
+        assert_eq!(
+            (outcome.status, outcome.steps),
+            (crate::Status::Completed, 100),
+            "{place}: {}",
+            outcome.note
+        );
     }
 }

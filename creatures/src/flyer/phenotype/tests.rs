@@ -71,7 +71,7 @@ fn the_world_starts_in_the_skeletons_pose() {
 /// azimuth of θ + q.
 #[test]
 fn equal_effectors_raise_both_wings_to_the_pose_of_the_worked_example() {
-    let task = FlyerTask { dt: 1e-3, gravity: 0.0, ..vacuum() };
+    let task = FlyerTask { dt: 1e-3, gravity: 0.0, motor_k: 1e4, ..vacuum() };
     let mut phenotype = developed(&worked_example(), &task);
     let goal = 10f64.to_radians();
     // x, y, z; left 1, left 2; right 1, right 2.
