@@ -38,14 +38,17 @@ impl Node {
 
 #[cfg(test)]
 mod tests {
-    use crate::flyer::{Function, Kind, Neuron, Source};
     use crate::flyer::skeleton::tests::worked_example;
+    use crate::flyer::{Function, Kind, Neuron, Source};
 
     /// T-2, with a density of 0.01 kg/m³.
     #[test]
     fn traits_of_the_worked_example() {
         let traits = worked_example().traits();
-        assert_eq!((&traits["segments"], &traits["neurons"], &traits["inputs"]), (&2.into(), &0.into(), &0.into()));
+        assert_eq!(
+            (&traits["segments"], &traits["neurons"], &traits["inputs"]),
+            (&2.into(), &0.into(), &0.into())
+        );
         let close = |name: &str, expected: f64| {
             let found = traits[name].as_f64().unwrap();
             assert!((found - expected).abs() < 1e-4, "{name}: {found}");
