@@ -1,7 +1,9 @@
 //! A world is built once and stepped for ever: no step allocates, shown by an allocator that counts what each
 //! thread asks for, since the test harness allocates on its own.
 
+use creatures::flyer::{self, Brain, variation};
 use creatures::physics::articulated::{Body, Ground, Joint, JointKind, ModelBuilder, Motor, Settings};
+use creatures::random::stream;
 use glam::DVec3;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -78,4 +80,25 @@ fn a_step_allocates_nothing() {
     let after = ALLOCATIONS.get();
     assert!(touched && rounds > 2, "the life is eventful: touched {touched}, {rounds} rounds");
     assert_eq!(after - before, 0);
+}
+
+#[test]
+fn a_brain_step_of_a_flyer_allocates_nothing() {
+    let settings = variation::Settings::default();
+    let mut draws = stream(1, [0, 0, 0], "allocation test");
+    for _ in 0..20 {
+        let genotype = flyer::Genotype::random(&settings, &mut draws);
+        let built = ALLOCATIONS.get();
+        let mut brain = Brain::new(&genotype);
+        assert!(ALLOCATIONS.get() > built, "the allocator counts");
+        let (before, mut moved) = (ALLOCATIONS.get(), 0.0);
+        for step in 0..100_u32 {
+            let reading = if step / 20 % 2 == 0 { 0.5 } else { -0.5 };
+            brain.sensors_mut().fill(reading);
+            brain.step(f64::from(step) * 0.025);
+            moved += brain.effectors().iter().map(|command| command.abs()).sum::<f64>();
+        }
+        assert_eq!(ALLOCATIONS.get() - before, 0);
+        assert!(moved > 0.0, "the brain is alive");
+    }
 }

@@ -16,6 +16,7 @@ pub mod phenotype;
 pub mod sensors;
 pub mod skeleton;
 pub mod task;
+mod traits;
 pub mod variation;
 
 pub use brain::Brain;
@@ -66,16 +67,15 @@ impl System for Flyer {
             let task = serde_json::to_string(task).expect("a plain struct serialises");
             Proof { task, genotype: flying_founder(segments).encode(), seed: 0 }
         };
-        [(1, &thin), (2, &limited), (3, &paper), (4, &thin), (6, &thin), (8, &limited)].map(proof).to_vec()
+        [(1, &thin), (2, &limited), (3, &thin), (4, &paper), (6, &thin), (8, &limited)].map(proof).to_vec()
     }
 }
 
-/// The first founder of so many wing segments whose films do not cross.
+/// The first founder of so many wing segments.
 fn flying_founder(segments: usize) -> Genotype {
     (0..)
         .map(|place| Genotype::random(&Settings::default(), &mut stream(0, [0, 0, place], "flyer proof")))
-        .filter(|founder| founder.segments() == segments)
-        .find(|founder| !skeleton::intersects_itself(&skeleton::grow(founder, 0.0)))
+        .find(|founder| founder.segments() == segments)
         .expect("founders are drawn until one will do")
 }
 
