@@ -16,8 +16,8 @@ pub use encoding::DecodeError;
 pub use outcome::{Cull, Interim, Outcome, Reason, Status, Verdict};
 
 /// Every published system, by name.
-pub fn systems() -> [&'static dyn System; 2] {
-    [&probe::Probe, &walker::Walker]
+pub fn systems() -> [&'static dyn System; 3] {
+    [&probe::Probe, &walker::Walker, &flyer::Flyer]
 }
 
 /// The system of a name.
@@ -46,9 +46,10 @@ pub trait System: Send + Sync {
     /// As [`System::resolve`].
     fn task(&self, resolved: &str) -> Result<Box<dyn Task>, SpecError>;
 
-    /// What its interim measure is called at the end of an evaluation: `fitness`, or the name of one of the
-    /// outcome's measures. The culling rule looks there for what the least fit reached.
-    fn interim_measure(&self) -> &'static str {
+    /// What the interim measure of a resolved task is called at the end of an evaluation: `fitness`, or the
+    /// name of one of the outcome's measures. The culling rule looks there for what the least fit reached.
+    fn interim_measure(&self, task: &serde_json::Value) -> &'static str {
+        let _ = task; // most systems have one measure for all their tasks
         "fitness"
     }
 

@@ -23,17 +23,20 @@ pub enum Reason {
     NonFinite,
     /// A quantity has left the bounds within which the model means anything (walker X-12).
     BlowUp,
+    /// Parts of the body pass through each other before it moves at all (flyer F-23, X-9).
+    SelfIntersecting,
 }
 
 impl Reason {
     /// Every reason, for those who list them.
-    pub const ALL: [Reason; 2] = [Reason::NonFinite, Reason::BlowUp];
+    pub const ALL: [Reason; 3] = [Reason::NonFinite, Reason::BlowUp, Reason::SelfIntersecting];
 
     /// The word used in the lineage: `aborted:WORD`.
     pub fn word(self) -> &'static str {
         match self {
             Reason::NonFinite => "non_finite",
             Reason::BlowUp => "blow_up",
+            Reason::SelfIntersecting => "self_intersecting",
         }
     }
 }

@@ -121,6 +121,7 @@ impl From<Status> for v1::Status {
             Status::Culled => v1::Status::Culled,
             Status::Aborted(Reason::NonFinite) => v1::Status::AbortedNonFinite,
             Status::Aborted(Reason::BlowUp) => v1::Status::AbortedBlowUp,
+            Status::Aborted(Reason::SelfIntersecting) => v1::Status::AbortedSelfIntersecting,
         }
     }
 }
@@ -136,6 +137,7 @@ impl TryFrom<v1::Status> for Status {
             v1::Status::Culled => Ok(Status::Culled),
             v1::Status::AbortedNonFinite => Ok(Status::Aborted(Reason::NonFinite)),
             v1::Status::AbortedBlowUp => Ok(Status::Aborted(Reason::BlowUp)),
+            v1::Status::AbortedSelfIntersecting => Ok(Status::Aborted(Reason::SelfIntersecting)),
         }
     }
 }

@@ -180,14 +180,6 @@ impl Genotype {
         self.nodes[WING_ROOT].length.min(self.nodes[BODY].length)
     }
 
-    /// What people ask about, a flat JSON object: numbers of wing segments on a side, and of neurons and
-    /// inputs before they are copied onto both sides.
-    pub fn traits(&self) -> serde_json::Value {
-        let neurons: usize = self.nodes.iter().map(|node| node.neurons.len()).sum();
-        let inputs: usize = self.nodes.iter().map(|node| node.sources().count()).sum();
-        serde_json::json!({ "segments": self.segments(), "neurons": neurons, "inputs": inputs })
-    }
-
     fn check(&self) -> Result<(), DecodeError> {
         let found = self.nodes.len();
         if !NODES.contains(&found) {

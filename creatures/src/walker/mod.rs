@@ -48,7 +48,7 @@ impl System for Walker {
     }
 
     /// Eq. 6 so far (G-61).
-    fn interim_measure(&self) -> &'static str {
+    fn interim_measure(&self, _task: &serde_json::Value) -> &'static str {
         "dis"
     }
 

@@ -152,7 +152,7 @@ impl Experiment {
 
     /// What the system's interim measure is called in an outcome; see [`Culling::cutoff`].
     pub fn interim_measure(&self) -> &'static str {
-        creatures::system(&self.system).map_or("fitness", creatures::System::interim_measure)
+        creatures::system(&self.system).map_or("fitness", |system| system.interim_measure(&self.task))
     }
 
     /// The seed of a run, from 1: run i is an experiment of its own with `seed + i − 1`.

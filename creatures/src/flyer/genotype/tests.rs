@@ -231,20 +231,6 @@ fn the_bounds_themselves_are_legal() {
     }
 }
 
-#[test]
-fn traits_tell_what_people_ask_about() {
-    let genotype = founder();
-    let traits = genotype.traits();
-    assert_eq!(traits["segments"], json!(genotype.nodes.len() - 2));
-    let neurons: usize = genotype.nodes.iter().map(|node| node.neurons.len()).sum();
-    assert_eq!(traits["neurons"], json!(neurons));
-    let lists = genotype.nodes.iter().flat_map(|node| {
-        let neurons = node.neurons.iter().map(|neuron| neuron.inputs.len());
-        neurons.chain(node.effectors.iter().map(|effector| effector.inputs.len()))
-    });
-    assert_eq!(traits["inputs"], json!(lists.sum::<usize>()));
-}
-
 /// `/nodes/0/neurons/1` as `nodes[0].neurons[1]`.
 fn path(pointer: &str) -> String {
     pointer[1..].split('/').fold(String::new(), |path, part| match part.parse::<usize>() {

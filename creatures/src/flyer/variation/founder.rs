@@ -5,16 +5,19 @@ use super::sources::Offer;
 use crate::flyer::genotype::{
     BODY, BODY_RADIUS, FIRST_SEGMENT, LENGTH, NODES, PSI, THETA, WING_RADIUS, effectors,
 };
+use crate::flyer::skeleton::{grow, intersects_itself};
 use crate::flyer::{Effector, Genotype, Neuron, Node};
 use crate::random::Stream;
 use std::ops::RangeInclusive;
+
+/// How often a founder whose films cross is drawn again (F-11).
+const REDRAWS: usize = 100;
 
 impl Genotype {
     /// A founder: 1 to 8 wing segments, every gene uniform in its range, every input uniform over all
     /// sensors and neurons (F-11).
     pub fn random(settings: &Settings, stream: &mut Stream) -> Genotype {
-        let count = stream.within(*NODES.start(), *NODES.end());
-        let mut genotype = Genotype { nodes: (0..count).map(|node| Node::bone(node, stream)).collect() };
+        let mut genotype = Genotype::without_crossing_films(stream);
         for node in &mut genotype.nodes {
             node.neurons = draw_neurons(settings, stream);
         }
@@ -23,6 +26,25 @@ impl Genotype {
             *inputs = offer.draw_inputs(offer.everywhere(), settings, stream);
         }
         genotype
+    }
+
+    /// Nodes without neurons and inputs, which have no part in where the films are. Those whose films cross
+    /// are drawn again; the last draw is kept anyway.
+    fn without_crossing_films(stream: &mut Stream) -> Genotype {
+        let mut genotype = Genotype::bones(stream);
+        for _ in 0..REDRAWS {
+            if !intersects_itself(&grow(&genotype, 0.0)) {
+                break;
+            }
+            genotype = Genotype::bones(stream);
+        }
+        genotype
+    }
+
+    /// One draw of such nodes.
+    pub(super) fn bones(stream: &mut Stream) -> Genotype {
+        let count = stream.within(*NODES.start(), *NODES.end());
+        Genotype { nodes: (0..count).map(|node| Node::bone(node, stream)).collect() }
     }
 }
 

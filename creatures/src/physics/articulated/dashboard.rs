@@ -5,7 +5,7 @@ use super::joint::{Freedom, Link};
 use super::model::{BodyId, JointId};
 use super::staircase::Motor;
 use super::world::{Mass, World};
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 impl World {
     /// Commands a motor; the command holds until it is changed. A new world's motors are limp.
@@ -50,6 +50,13 @@ impl World {
     pub fn coordinate(&self, joint: JointId, dof: usize) -> f64 {
         let link = self.link(joint, dof);
         link.coordinates(&self.bodies[link.parent].pose, &self.bodies[joint.0 + 1].pose)[dof]
+    }
+
+    /// All coordinates of a joint at once, as [`World::coordinate`] has them, 0 for what it has not: a ball's
+    /// three cost no more than one.
+    pub fn coordinates(&self, joint: JointId) -> [f64; 3] {
+        let link = &self.links[joint.0];
+        link.coordinates(&self.bodies[link.parent].pose, &self.bodies[joint.0 + 1].pose)
     }
 
     /// The rate of child against parent along a degree of freedom, rad/s or m/s: what its motor sees.
@@ -100,6 +107,11 @@ impl World {
     /// Body axes to world axes, unit length.
     pub fn orientation(&self, body: BodyId) -> DQuat {
         self.bodies[body.0].pose.orientation
+    }
+
+    /// The same as a matrix, whose columns are the body's axes.
+    pub fn rotation(&self, body: BodyId) -> DMat3 {
+        self.bodies[body.0].pose.rotation
     }
 
     /// Of the centre of mass, m/s, world frame.
