@@ -2,8 +2,9 @@
 //! A new search is one line here. It runs nothing.
 
 use crate::checkpoint::RestoreError;
-use crate::{Search, grn, neat, probe};
+use crate::{Search, generational, grn, neat, probe};
 use creatures::SpecError;
+use creatures::flyer;
 use serde_json::Value;
 use std::fmt;
 
@@ -44,7 +45,13 @@ pub struct Kind {
 }
 
 /// Every kind.
-pub static KINDS: [Kind; 3] = [
+pub static KINDS: [Kind; 4] = [
+    Kind {
+        name: generational::KIND,
+        system: "flyer",
+        runs: 1,
+        read: |table, _| Ok(Box::new(generational::Settings::<flyer::Settings>::read(table)?)),
+    },
     Kind {
         name: grn::KIND,
         system: "walker",
