@@ -138,6 +138,16 @@ fn a_creature_below_the_cutoff_stops_after_its_first_quarter() {
     }
 }
 
+/// A share of less than a step is one step: whoever sets a rule hears of everybody.
+#[test]
+fn the_earliest_interim_report_comes_after_the_first_step() {
+    let cull = Cull { at: 1e-6, cutoff: None, control: false };
+    let mut heard = vec![];
+    let task = FlyerTask { steps: 8, ..FlyerTask::default() };
+    task.evaluate(&faller().encode(), 0, Some(&cull), &mut |interim| heard.push(interim.step)).unwrap();
+    assert_eq!(heard, [1]);
+}
+
 /// T-19: before its first quarter, or at its very end, landing comes first.
 #[test]
 fn who_has_landed_is_not_culled() {
