@@ -1,5 +1,5 @@
 //! The flyers' task: stay in the air, and get on (F-48, F-66). Here are its parameters and what is legal; a
-//! creature lives it in [`super::life`].
+//! creature lives it in `life.rs`.
 
 use super::Genotype;
 use super::life::Life;

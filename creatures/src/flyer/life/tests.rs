@@ -211,6 +211,7 @@ fn a_creature_without_film_or_air_is_legal() {
     assert_eq!((outcome.status, measure(&outcome, "span")), (Status::Completed, Some(0.0)));
     let vacuum = live(&FlyerTask { alpha: 0.0, ..FlyerTask::default() }, &faller());
     assert_eq!((vacuum.status, measure(&vacuum, "landed")), (Status::Completed, Some(1.0)));
+    assert!(measure(&vacuum, "distance").unwrap() < 1e-6, "the way down is no distance (F-52)");
 }
 
 /// F-70
