@@ -1,7 +1,8 @@
 //! A world is built once and stepped for ever: no step allocates, shown by an allocator that counts what each
 //! thread asks for, since the test harness allocates on its own.
 
-use creatures::flyer::{self, Brain, variation};
+use creatures::flyer::phenotype::Phenotype;
+use creatures::flyer::{self, Brain, FlyerTask, skeleton, variation};
 use creatures::physics::articulated::{Body, Ground, Joint, JointKind, ModelBuilder, Motor, Settings};
 use creatures::random::stream;
 use glam::DVec3;
@@ -100,5 +101,28 @@ fn a_brain_step_of_a_flyer_allocates_nothing() {
         }
         assert_eq!(ALLOCATIONS.get() - before, 0);
         assert!(moved > 0.0, "the brain is alive");
+    }
+}
+
+#[test]
+fn a_flyers_step_in_the_air_allocates_nothing() {
+    let task = FlyerTask { alpha: 3e-4, ..FlyerTask::default() };
+    let mut draws = stream(2, [0, 0, 0], "allocation test");
+    for _ in 0..20 {
+        let genotype = flyer::Genotype::random(&variation::Settings::default(), &mut draws);
+        let built = ALLOCATIONS.get();
+        let mut phenotype = Phenotype::develop(&skeleton::grow(&genotype, task.start_height), &task);
+        let mut brain = Brain::new(&genotype);
+        assert!(ALLOCATIONS.get() > built, "the allocator counts");
+        let (before, mut fastest) = (ALLOCATIONS.get(), 0.0);
+        for step in 0..100_u32 {
+            phenotype.sense(brain.sensors_mut());
+            brain.step(f64::from(step) * task.dt);
+            phenotype.drive(brain.effectors());
+            phenotype.step().unwrap();
+            fastest = phenotype.survey().speed.max(fastest);
+        }
+        assert_eq!(ALLOCATIONS.get() - before, 0);
+        assert!(fastest > 1.0, "it falls");
     }
 }

@@ -64,6 +64,18 @@ mod tests {
         assert!((flight.fitness(2.0, -3.0) + 3.0).abs() < 1e-12);
     }
 
+    /// F-58
+    #[test]
+    fn sinking_costs_and_climbing_earns_nothing() {
+        let term = |climb: f64| {
+            let mut flight = Flight::default();
+            flight.add(DVec3::X);
+            flight.add(DVec3::new(1.0, climb, 0.0));
+            flight.speed_sum
+        };
+        assert_eq!([term(0.0), term(5.0), term(-4.0)], [1.0, 1.0, 0.2]);
+    }
+
     #[test]
     fn a_standstill_has_no_heading() {
         let mut flight = Flight::default();

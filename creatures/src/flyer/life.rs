@@ -77,7 +77,7 @@ impl<'a> Life<'a> {
             return End::Aborted(Reason::SelfIntersecting, "films cross in the start pose".to_owned());
         }
         let steps = self.task.steps;
-        let cull = cull.map(|cull| (cull, (cull.at * f64::from(steps)) as u32));
+        let cull = cull.map(|cull| (cull, ((cull.at * f64::from(steps)) as u32).max(1)));
         while self.steps < steps {
             if let Err(fault) = self.step() {
                 let reason = match fault {

@@ -59,7 +59,7 @@ struct Actuator {
 pub struct Survey {
     /// Of the centre of mass, m/s (F-51).
     pub velocity: DVec3,
-    /// Of the fastest limb, m/s (F-39); NaN if that of any is.
+    /// Of the fastest limb, m/s (F-39).
     pub speed: f64,
     /// Whether a limb touches the ground (F-50).
     pub landed: bool,
@@ -180,7 +180,7 @@ impl Phenotype {
             let velocity = self.world.velocity(limb.body);
             momentum += velocity * limb.mass;
             let speed = velocity.length_squared();
-            if speed > square || speed.is_nan() {
+            if speed > square {
                 square = speed;
             }
             let dip = (self.world.rotation(limb.body).z_axis.y * limb.half_length).abs();

@@ -138,6 +138,16 @@ fn a_creature_below_the_cutoff_stops_after_its_first_quarter() {
     }
 }
 
+/// A share of less than a step is one step: whoever sets a rule hears of everybody.
+#[test]
+fn the_earliest_interim_report_comes_after_the_first_step() {
+    let cull = Cull { at: 1e-6, cutoff: None, control: false };
+    let mut heard = vec![];
+    let task = FlyerTask { steps: 8, ..FlyerTask::default() };
+    task.evaluate(&faller().encode(), 0, Some(&cull), &mut |interim| heard.push(interim.step)).unwrap();
+    assert_eq!(heard, [1]);
+}
+
 /// T-19: before its first quarter, or at its very end, landing comes first.
 #[test]
 fn who_has_landed_is_not_culled() {
@@ -201,6 +211,7 @@ fn a_creature_without_film_or_air_is_legal() {
     assert_eq!((outcome.status, measure(&outcome, "span")), (Status::Completed, Some(0.0)));
     let vacuum = live(&FlyerTask { alpha: 0.0, ..FlyerTask::default() }, &faller());
     assert_eq!((vacuum.status, measure(&vacuum, "landed")), (Status::Completed, Some(1.0)));
+    assert!(measure(&vacuum, "distance").unwrap() < 1e-6, "the way down is no distance (F-52)");
 }
 
 /// F-70

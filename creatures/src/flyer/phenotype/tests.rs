@@ -149,6 +149,54 @@ fn motors_have_the_torque_of_the_effective_lengths() {
     }
 }
 
+/// F-47: tail feathers are the body's alone.
+#[test]
+fn the_body_alone_has_tail_feathers() {
+    let task = FlyerTask::default();
+    let phenotype = developed(&worked_example(), &task);
+    for (k, limb) in phenotype.limbs.iter().enumerate() {
+        let bare = Hull::new(Air::scaled(task.alpha), limb.radius, 2.0 * limb.half_length);
+        assert_eq!(limb.hull, if k == BODY { bare.with_tail(1.75) } else { bare }, "limb {k}");
+    }
+}
+
+/// F-50: it is the lowest end of a cylinder, less its radius, that touches.
+#[test]
+fn a_creature_lands_on_its_lowest_cap() {
+    let landed = |genotype: &Genotype, start_height| {
+        developed(genotype, &FlyerTask { start_height, ..vacuum() }).survey().landed
+    };
+    let raised = creature((30.0, 2.0), 20.0, &[wing(40.0, 1, 10.0, 60.0)]);
+    assert!(landed(&raised, 1.99) && !landed(&raised, 2.01), "on its body");
+    let lowered = creature((30.0, 2.0), 20.0, &[wing(40.0, 1, -30.0, 60.0)]);
+    let depth = -grow(&lowered, 0.0)[2].end().y;
+    assert!((depth - 17.3205).abs() < 1e-4);
+    assert!(landed(&lowered, depth + 0.49) && !landed(&lowered, depth + 0.51), "on its wing-tips");
+}
+
+/// F-37: a limp wing passes its stop by no more than one step's motion, and is taken back.
+#[test]
+fn a_stop_acts_from_the_step_that_begins_beyond_it() {
+    let task = FlyerTask { gravity: 0.0, motor_k: 0.0, ..vacuum() };
+    let genotype = creature((30.0, 2.0), 20.0, &[wing(40.0, 1, 10.0, 60.0)]);
+    let mut phenotype = developed(&genotype, &task);
+    let (joint, anchor) = (phenotype.joints[1], DVec3::new(0.0, 250.0, 5.0));
+    let (wing, spin) = (phenotype.limbs[2].body, DVec3::Z * 1.7);
+    let arm = phenotype.world.position(wing) - anchor;
+    phenotype.world.set_velocity(wing, spin.cross(arm), spin);
+    let (mut highest, mut fastest, mut last) = (0.0f64, 0.0f64, 0.0);
+    for _ in 0..60 {
+        phenotype.step().unwrap();
+        let angle = phenotype.world.coordinate(joint, 0);
+        fastest = fastest.max(angle - last);
+        highest = highest.max(angle);
+        last = angle;
+    }
+    let beyond = highest - task.hinge_limit;
+    assert!(beyond > 1e-3 && beyond < fastest, "{beyond} rad beyond, {fastest} rad a step");
+    assert!(last < highest - 1e-3, "it is taken back");
+}
+
 /// T-10
 #[test]
 fn a_free_cylinder_stops_turning_as_the_scheme_says() {

@@ -95,6 +95,8 @@ pub(super) struct Link {
     pub(super) offset: Six,
     pub(super) degrees: usize,
     dofs: [Degree; 3],
+    /// Of a joint with stops, in the pose as it is: both the stops and whoever senses the joint want them.
+    known: Option<[f64; 3]>,
 }
 
 /// The stops' constants of one step.
@@ -137,6 +139,14 @@ impl Link {
                 mobility: 0.0,
                 drift: 0.0,
             }),
+            known: None,
+        }
+    }
+
+    /// Takes note of a new pose.
+    pub(super) fn follow(&mut self, parent: &Pose, child: &Pose) {
+        if self.dofs().iter().any(|dof| dof.stops.is_some()) {
+            self.known = Some(self.measure(parent, child));
         }
     }
 
@@ -170,20 +180,18 @@ impl Link {
         };
         let (linear, angular) = (linear * -pace.correction, angular * -pace.correction);
         self.bias = Six::new(linear + at.cross(angular), angular);
-        if self.dofs().iter().any(|dof| dof.stops.is_some()) {
-            let coordinates = self.coordinates(parent, child);
-            for (dof, coordinate) in self.dofs_mut().iter_mut().zip(coordinates) {
-                dof.begin(coordinate, pace);
-            }
-        } else {
-            for dof in self.dofs_mut() {
-                dof.begin(0.0, pace);
-            }
+        let coordinates = self.known.unwrap_or_default();
+        for (dof, coordinate) in self.dofs_mut().iter_mut().zip(coordinates) {
+            dof.begin(coordinate, pace);
         }
     }
 
     /// The coordinates of its degrees of freedom, rad or m; zeros for what it has not.
     pub(super) fn coordinates(&self, parent: &Pose, child: &Pose) -> [f64; 3] {
+        self.known.unwrap_or_else(|| self.measure(parent, child))
+    }
+
+    fn measure(&self, parent: &Pose, child: &Pose) -> [f64; 3] {
         match self.kind {
             JointKind::Fixed => [0.0; 3],
             JointKind::Hinge { axis } => {

@@ -143,7 +143,7 @@ impl World {
                 }
             })
             .collect();
-        let links = model
+        let mut links: Vec<Link> = model
             .joints
             .iter()
             .enumerate()
@@ -151,6 +151,9 @@ impl World {
                 Link::new(*parent, joint, bodies[*parent].pose.orientation, bodies[k + 1].pose.orientation)
             })
             .collect();
+        for (k, link) in links.iter_mut().enumerate() {
+            link.follow(&bodies[link.parent].pose, &bodies[k + 1].pose);
+        }
         World {
             settings: model.settings,
             stop_rule: model.stop_rule,
@@ -264,6 +267,9 @@ impl World {
                 return Err(StepFault::NonFinite { body: index });
             }
             body.pose = Pose::new(position, orientation);
+        }
+        for (k, link) in self.links.iter_mut().enumerate() {
+            link.follow(&self.bodies[link.parent].pose, &self.bodies[k + 1].pose);
         }
         Ok(())
     }
