@@ -53,7 +53,8 @@ impl Culling {
 
     /// The cutoff of the generation after the given one: `fraction` of the final measure of its least fit
     /// individual, the lowest index among equals. Only completed evaluations count; without any there is no
-    /// cutoff and nobody is culled (F-53, F-55).
+    /// cutoff and nobody is culled (F-53, F-55). A cutoff of fitness is never negative (F-54): a fifth of a
+    /// negative fitness would lie above it.
     pub fn cutoff(&self, previous: &[Option<Outcome>], interim_measure: &str) -> Option<f64> {
         previous
             .iter()
@@ -61,6 +62,7 @@ impl Culling {
             .filter(|outcome| outcome.status == Status::Completed)
             .min_by(|a, b| a.fitness.total_cmp(&b.fitness)) // the first of equals
             .and_then(|least| final_measure(least, interim_measure))
+            .map(|measure| if interim_measure == "fitness" && measure < 0.0 { 0.0 } else { measure })
             .map(|measure| self.fraction * measure)
     }
 
@@ -122,6 +124,15 @@ mod tests {
         let previous = [outcome(Status::Completed, 2000.0, 40.0)];
         assert_eq!(Culling::default().cutoff(&previous, "fitness"), Some(400.0), "flyer T-19, last row");
         assert_eq!(Culling::default().cutoff(&previous, "unheard_of"), None);
+    }
+
+    /// Flyer F-54.
+    #[test]
+    fn a_cutoff_of_fitness_is_never_negative() {
+        let previous = [outcome(Status::Completed, -50.0, 40.0)];
+        let theta = Culling::default().cutoff(&previous, "fitness");
+        assert_eq!(theta, Some(0.0));
+        assert_eq!([verdict(theta, -0.001), verdict(theta, 0.0)], [Verdict::Cull, Verdict::Pass]);
     }
 
     #[test]

@@ -71,6 +71,58 @@ fn an_evaluation_is_a_pure_function_with_every_measure() {
     assert_eq!(again.digest(), outcome.digest(), "the seed is accepted and unused");
 }
 
+/// F-52
+#[test]
+fn distance_is_horizontal_and_as_the_crow_flies() {
+    let task = FlyerTask { steps: 200, ..FlyerTask::default() };
+    let (genotype, outcome) = flier(&task);
+    let mut life = Life::new(&task, &genotype);
+    life.live(None, &mut |_| {});
+    let moved = life.phenotype.world().center_of_mass() - life.start;
+    assert!((moved.x.abs() - moved.z.abs()).abs() > 0.1 && moved.y.abs() > 0.1, "a telling way: {moved}");
+    let expected = (moved.x * moved.x + moved.z * moved.z).sqrt();
+    assert!((measure(&outcome, "distance").unwrap() - expected).abs() < 1e-9);
+}
+
+/// F-66: no key of the table is read and forgotten. Each is changed a little, and some creature's outcome
+/// with it.
+#[test]
+fn every_parameter_matters() {
+    let paper = FlyerTask { steps: 200, ..FlyerTask::default() };
+    let creatures: Vec<Genotype> = (0..24).map(founder).collect();
+    let lives = |task: &FlyerTask| -> Vec<[u8; 32]> {
+        let cull = Cull { at: 0.25, cutoff: None, control: false };
+        let live = |genotype: &Genotype| task.evaluate(&genotype.encode(), 0, Some(&cull), &mut |_| {});
+        creatures.iter().map(|genotype| live(genotype).unwrap().digest()).collect()
+    };
+    let expected = lives(&paper);
+    let changed = [
+        ("steps", FlyerTask { steps: 199, ..paper.clone() }),
+        ("dt", FlyerTask { dt: 0.049, ..paper.clone() }),
+        ("start_height", FlyerTask { start_height: 30.0, ..paper.clone() }),
+        ("gravity", FlyerTask { gravity: 9.8, ..paper.clone() }),
+        ("density", FlyerTask { density: 0.011, ..paper.clone() }),
+        ("alpha", FlyerTask { alpha: 1.1e-3, ..paper.clone() }),
+        ("tail_weight", FlyerTask { tail_weight: 1.5, ..paper.clone() }),
+        ("hinge_limit", FlyerTask { hinge_limit: 1.0, ..paper.clone() }),
+        ("ball_limit", FlyerTask { ball_limit: 0.3, ..paper.clone() }),
+        ("hinge_rate", FlyerTask { hinge_rate: 1.9, ..paper.clone() }),
+        ("ball_rate", FlyerTask { ball_rate: 0.4, ..paper.clone() }),
+        ("motor_k", FlyerTask { motor_k: 0.9, ..paper.clone() }),
+        ("erp", FlyerTask { erp: 0.1, ..paper.clone() }),
+        ("brain_substeps", FlyerTask { brain_substeps: 1, ..paper.clone() }),
+        ("stop_fraction", FlyerTask { stop_fraction: 0.3, ..paper.clone() }),
+        ("w_hover", FlyerTask { w_hover: 2.0, ..paper.clone() }),
+        ("w_speed", FlyerTask { w_speed: 2.0, ..paper.clone() }),
+        ("interim", FlyerTask { interim: Measure::Fitness, ..paper.clone() }),
+        ("blow_up_speed", FlyerTask { blow_up_speed: 20.0, ..paper.clone() }),
+        ("drag_limiter", FlyerTask { drag_limiter: true, ..paper.clone() }),
+    ];
+    for (key, task) in changed {
+        assert_ne!(lives(&task), expected, "{key} changes nothing");
+    }
+}
+
 /// F-30, F-31, F-34: two brain steps, at 0 and dt/2, pass a signal through two neurons before the motors hear
 /// of it.
 #[test]

@@ -113,6 +113,26 @@ fn joints_stop_at_their_stops() {
     }
 }
 
+/// F-18, F-31: read off the motors, since sensors tell angles as shares of whatever the stops are.
+#[test]
+fn ball_and_hinges_have_stops_and_rates_of_their_own() {
+    let task = FlyerTask::default();
+    let phenotype = developed(&worked_example(), &task);
+    let (ball, hinges) = phenotype.actuators.split_at(3);
+    assert!(ball.iter().all(|axis| (axis.stop, axis.rate) == (task.ball_limit, task.ball_rate)));
+    assert!(hinges.iter().all(|hinge| (hinge.stop, hinge.rate) == (task.hinge_limit, task.hinge_rate)));
+}
+
+/// F-70
+#[test]
+fn the_flap_is_that_of_the_first_left_hinge() {
+    let mut phenotype = developed(&worked_example(), &FlyerTask { gravity: 0.0, ..vacuum() });
+    for _ in 0..2 {
+        step(&mut phenotype, &[0.0, 0.0, 0.0, 1.0, -0.5, -1.0, 0.5]).unwrap();
+    }
+    assert!((phenotype.flap() - 0.1).abs() < 1e-6, "one step at 2 rad/s, not {}", phenotype.flap());
+}
+
 /// F-33
 #[test]
 fn a_motor_asks_for_no_more_than_brings_it_to_its_stop() {
