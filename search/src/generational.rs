@@ -2,13 +2,14 @@
 //! tournaments of two, three ways to a child, mutation always (flyer F-60..F-65). How a genotype varies is
 //! `creatures`' business; who breeds is decided here.
 
-use crate::checkpoint::{self, RestoreError, require};
-use crate::inheritance::{Scored, inherited};
+use crate::checkpoint::RestoreError;
+use crate::inheritance::Scored;
+use crate::population::{Child, Heritable, Population};
 use crate::registry::Plan;
 use crate::settings::{self, GENERATIONS, POPULATION, check, within};
-use crate::{Individual, Parent, Place, Record, Search};
+use crate::{Individual, Place, Record, Search};
 use creatures::random::Stream;
-use creatures::{DecodeError, Outcome, SpecError, Status, read_spec};
+use creatures::{Outcome, SpecError, Status, read_spec};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::{Map, Value, json};
 use std::fmt::Debug;
@@ -21,7 +22,7 @@ pub const KIND: &str = "generational";
 /// How the genotypes of a system are made and varied: the value of its rates, `[search.variation]`.
 pub trait Variation: Clone + Debug + Default + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// What is varied.
-    type Genotype: Clone + Debug + Send;
+    type Genotype: Heritable + Clone + Debug + Send;
 
     /// The measures whose largest value of a generation is recorded.
     const RECORDS: &'static [&'static str];
@@ -48,18 +49,6 @@ pub trait Variation: Clone + Debug + Default + Serialize + DeserializeOwned + Se
 
     /// Mutates, and names the mutations that came true, joined by `+`; empty if none did.
     fn mutate(&self, genotype: &mut Self::Genotype, stream: &mut Stream) -> String;
-
-    /// Canonical bytes.
-    fn encode(genotype: &Self::Genotype) -> Vec<u8>;
-
-    /// Reads canonical bytes.
-    ///
-    /// # Errors
-    /// Bytes that are no legal genotype.
-    fn decode(bytes: &[u8]) -> Result<Self::Genotype, DecodeError>;
-
-    /// What people ask about: a flat JSON object.
-    fn traits(genotype: &Self::Genotype) -> Value;
 }
 
 /// Probabilities of the three ways to a child; they add up to 1 (F-61).
@@ -168,29 +157,13 @@ impl<V: Variation> Plan for Settings<V> {
     }
 
     fn start(&self, seed: u64, stage: u32) -> Box<dyn Search> {
-        let settings = self.clone();
-        Box::new(Generational { settings, seed, stage, generation: 0, population: Vec::new(), asked: None })
+        Box::new(Generational { settings: self.clone(), seed, population: Population::new(stage) })
     }
 
     fn restore(&self, seed: u64, stage: u32, bytes: &[u8]) -> Result<Box<dyn Search>, RestoreError> {
-        let (generation, scored): (u32, Vec<Scored>) = checkpoint::read(KIND, bytes)?;
-        let member = |(index, scored): (usize, Scored)| {
-            let genotype =
-                V::decode(&scored.genotype.0).map_err(|source| RestoreError::Genotype { index, source })?;
-            Ok(Member { genotype, scored })
-        };
-        let population: Vec<_> = scored.into_iter().enumerate().map(member).collect::<Result<_, _>>()?;
-        let size = if generation == 0 { 0 } else { self.population as usize };
-        require(population.len() == size, "its population has another size")?;
-        let settings = self.clone();
-        Ok(Box::new(Generational { settings, seed, stage, generation, population, asked: None }))
+        let population = Population::restore(KIND, stage, self.population, bytes)?;
+        Ok(Box::new(Generational { settings: self.clone(), seed, population }))
     }
-}
-
-#[derive(Debug)]
-struct Member<G> {
-    genotype: G,
-    scored: Scored,
 }
 
 /// The search at work.
@@ -198,19 +171,7 @@ struct Member<G> {
 struct Generational<V: Variation> {
     settings: Settings<V>,
     seed: u64,
-    stage: u32,
-    /// The last generation told; 0 before the first.
-    generation: u32,
-    population: Vec<Member<V::Genotype>>,
-    /// The generation asked for and not yet told, each genotype with its bytes.
-    asked: Option<Vec<(V::Genotype, Vec<u8>)>>,
-}
-
-/// An individual in the making.
-struct Child<G> {
-    genotype: G,
-    parents: Vec<Parent>,
-    operator: String,
+    population: Population<V::Genotype>,
 }
 
 /// The indices of a population, the best first: those that completed before all others, whatever their
@@ -232,25 +193,9 @@ fn tournament(count: usize, better: f64, stream: &mut Stream) -> usize {
 }
 
 impl<V: Variation> Generational<V> {
-    fn place(&self, generation: u32, index: u32) -> Place {
-        Place { stage: self.stage, generation, index }
-    }
-
-    fn parent(&self, index: usize, role: &str) -> Parent {
-        Parent { place: self.place(self.generation, index as u32), role: role.to_owned() }
-    }
-
     fn founder(&self, place: Place) -> Child<V::Genotype> {
         let genotype = self.settings.variation.random(&mut place.stream(self.seed, "founder"));
         Child { genotype, parents: Vec::new(), operator: "random".to_owned() }
-    }
-
-    fn elite(&self, index: usize) -> Child<V::Genotype> {
-        Child {
-            genotype: self.population[index].genotype.clone(),
-            parents: vec![self.parent(index, "only")],
-            operator: "elite".to_owned(),
-        }
     }
 
     /// A child of the first parent, perhaps with a second one of the elite, mutated (F-61).
@@ -260,7 +205,7 @@ impl<V: Variation> Generational<V> {
         let first = ranks[tournament(ranks.len(), *tournament_p, &mut select)];
         let way = select.unit();
         let second = ranks[select.below(self.settings.elites().min(ranks.len()))];
-        let [one, other] = [first, second].map(|index| &self.population[index].genotype);
+        let [one, other] = [first, second].map(|index| &self.population.members()[index].genotype);
         let mut mating = place.stream(self.seed, "mate");
         let (mut genotype, operator) = if way < operators.copy {
             (one.clone(), "copy")
@@ -270,8 +215,8 @@ impl<V: Variation> Generational<V> {
             (variation.graft(one, other, &mut mating), "grafting")
         };
         let parents = match operator {
-            "copy" => vec![self.parent(first, "only")],
-            _ => vec![self.parent(first, "first"), self.parent(second, "second")],
+            "copy" => vec![self.population.parent(first, "only")],
+            _ => vec![self.population.parent(first, "first"), self.population.parent(second, "second")],
         };
         let mutations = variation.mutate(&mut genotype, &mut place.stream(self.seed, "mutate"));
         let operator = match mutations.as_str() {
@@ -283,16 +228,16 @@ impl<V: Variation> Generational<V> {
 
     /// The children of the next generation in order of index: the elite, the best first, and the others.
     fn next(&self) -> Vec<Child<V::Genotype>> {
-        let places = (0..self.settings.population).map(|index| self.place(self.generation + 1, index));
-        if self.generation == 0 {
+        let places = self.population.next_places(self.settings.population);
+        if self.population.generation() == 0 {
             return places.map(|place| self.founder(place)).collect();
         }
-        let ranks = ranks(self.population.iter().map(|member| &member.scored));
+        let ranks = ranks(self.population.members().iter().map(|member| &member.scored));
         let elites = self.settings.elites();
         places
             .enumerate()
             .map(|(index, place)| match ranks.get(index).filter(|_| index < elites) {
-                Some(&rank) => self.elite(rank),
+                Some(&rank) => self.population.copy(rank, "elite"),
                 None => self.breed(&ranks, place),
             })
             .collect()
@@ -301,44 +246,20 @@ impl<V: Variation> Generational<V> {
 
 impl<V: Variation> Search for Generational<V> {
     fn ask(&mut self) -> Vec<Individual> {
-        if self.generation >= self.settings.generations {
+        if self.population.generation() >= self.settings.generations {
             return Vec::new();
         }
         let children = self.next();
-        let genotypes: Vec<Vec<u8>> = children.iter().map(|child| V::encode(&child.genotype)).collect();
-        let firsts = [self.place(self.generation, 0), self.place(self.generation + 1, 0)];
-        let inherits = inherited(self.population.iter().map(|member| &member.scored), &genotypes, firsts);
-        let individuals =
-            children.iter().zip(&genotypes).zip(inherits).map(|((child, genotype), inherits)| Individual {
-                genotype: genotype.clone(),
-                parents: child.parents.clone(),
-                operator: child.operator.clone(),
-                traits: V::traits(&child.genotype),
-                inherits,
-            });
-        let individuals = individuals.collect();
-        self.asked = Some(children.into_iter().map(|child| child.genotype).zip(genotypes).collect());
-        individuals
+        self.population.ask(children)
     }
 
     fn tell(&mut self, outcomes: &[Option<Outcome>]) -> Record {
-        let asked = self.asked.take().expect("a generation is told after it was asked for");
-        assert_eq!(asked.len(), outcomes.len(), "one outcome an individual");
-        self.population = asked
-            .into_iter()
-            .zip(outcomes)
-            .map(|((genotype, bytes), outcome)| Member {
-                genotype,
-                scored: Scored::new(bytes, outcome.as_ref()),
-            })
-            .collect();
-        self.generation += 1;
+        self.population.tell(outcomes);
         Record { species: Vec::new(), notes: notes(outcomes, V::RECORDS) }
     }
 
     fn checkpoint(&self) -> Vec<u8> {
-        let scored: Vec<&Scored> = self.population.iter().map(|member| &member.scored).collect();
-        checkpoint::write(KIND, &(self.generation, scored))
+        self.population.checkpoint(KIND)
     }
 }
 

@@ -1,11 +1,11 @@
 //! The genetic algorithm of the gene regulatory networks: tournaments, an elite, one-point crossover, one
 //! mutation (G-22..G-28). How a genotype varies is `creatures`' business; who breeds is decided here.
 
-use crate::checkpoint::{self, RestoreError, require};
-use crate::inheritance::{Scored, inherited};
+use crate::checkpoint::{RestoreError, require};
+use crate::population::{Child, Population};
 use crate::registry::Plan;
 use crate::settings::{self, GENERATIONS, POPULATION, check, read_joined, within, write_joined};
-use crate::{Individual, Parent, Place, Record, Search, selection};
+use crate::{Individual, Place, Record, Search, selection};
 use creatures::walker::{BodyKind, grn};
 use creatures::{Outcome, SpecError, read_spec};
 use serde::{Deserialize, Serialize};
@@ -115,36 +115,15 @@ impl Plan for Settings {
     }
 
     fn start(&self, seed: u64, stage: u32) -> Box<dyn Search> {
-        Box::new(Genetic {
-            settings: self.clone(),
-            seed,
-            stage,
-            generation: 0,
-            population: Vec::new(),
-            asked: None,
-        })
+        Box::new(Genetic { settings: self.clone(), seed, population: Population::new(stage) })
     }
 
     fn restore(&self, seed: u64, stage: u32, bytes: &[u8]) -> Result<Box<dyn Search>, RestoreError> {
-        let (generation, scored): (u32, Vec<Scored>) = checkpoint::read(KIND, bytes)?;
-        let member = |(index, scored): (usize, Scored)| {
-            let genotype = grn::Genotype::decode(&scored.genotype.0)
-                .map_err(|source| RestoreError::Genotype { index, source })?;
-            Ok(Member { genotype, scored })
-        };
-        let population: Vec<Member> = scored.into_iter().enumerate().map(member).collect::<Result<_, _>>()?;
-        let size = if generation == 0 { 0 } else { self.population as usize };
-        require(population.len() == size, "its population has another size")?;
-        let same_body = population.iter().all(|member| member.genotype.body == self.body);
+        let population: Population<grn::Genotype> = Population::restore(KIND, stage, self.population, bytes)?;
+        let same_body = population.members().iter().all(|member| member.genotype.body == self.body);
         require(same_body, "its population has another body")?;
-        Ok(Box::new(Genetic { settings: self.clone(), seed, stage, generation, population, asked: None }))
+        Ok(Box::new(Genetic { settings: self.clone(), seed, population }))
     }
-}
-
-#[derive(Debug)]
-struct Member {
-    genotype: grn::Genotype,
-    scored: Scored,
 }
 
 /// The search at work.
@@ -152,47 +131,18 @@ struct Member {
 struct Genetic {
     settings: Settings,
     seed: u64,
-    stage: u32,
-    /// The last generation told; 0 before the first.
-    generation: u32,
-    population: Vec<Member>,
-    /// The generation asked for and not yet told, each genotype with its bytes.
-    asked: Option<Vec<(grn::Genotype, Vec<u8>)>>,
-}
-
-/// An individual in the making.
-#[derive(Debug)]
-struct Child {
-    genotype: grn::Genotype,
-    parents: Vec<Parent>,
-    operator: String,
+    population: Population<grn::Genotype>,
 }
 
 impl Genetic {
-    fn place(&self, generation: u32, index: u32) -> Place {
-        Place { stage: self.stage, generation, index }
-    }
-
-    fn parent(&self, index: usize, role: &str) -> Parent {
-        Parent { place: self.place(self.generation, index as u32), role: role.to_owned() }
-    }
-
-    fn founder(&self, place: Place) -> Child {
+    fn founder(&self, place: Place) -> Child<grn::Genotype> {
         let mut draws = place.stream(self.seed, "founder");
         let genotype = grn::Genotype::random(self.settings.body, &self.settings.variation, &mut draws);
         Child { genotype, parents: Vec::new(), operator: "random".to_owned() }
     }
 
-    fn elite(&self, index: usize) -> Child {
-        Child {
-            genotype: self.population[index].genotype.clone(),
-            parents: vec![self.parent(index, "only")],
-            operator: "elite".to_owned(),
-        }
-    }
-
     /// A child of one or two parents chosen by tournament (G-25).
-    fn breed(&self, fitness: &[f64], place: Place) -> Child {
+    fn breed(&self, fitness: &[f64], place: Place) -> Child<grn::Genotype> {
         let Breeding { mate, mutate, tournament, .. } = self.settings.breeding;
         let mut select = place.stream(self.seed, "select");
         let first = selection::tournament(fitness, tournament, &mut select);
@@ -200,19 +150,18 @@ impl Genetic {
         let mut child = match second.filter(|&second| second != first) {
             Some(second) => Child {
                 genotype: grn::Genotype::crossover(
-                    &self.population[first].genotype,
-                    &self.population[second].genotype,
+                    &self.population.members()[first].genotype,
+                    &self.population.members()[second].genotype,
                     &mut place.stream(self.seed, "crossover"),
                 ),
-                parents: vec![self.parent(first, "first"), self.parent(second, "second")],
+                parents: vec![
+                    self.population.parent(first, "first"),
+                    self.population.parent(second, "second"),
+                ],
                 operator: "crossover".to_owned(),
             },
             // One parent, or the same slot twice: a copy (G-26).
-            None => Child {
-                genotype: self.population[first].genotype.clone(),
-                parents: vec![self.parent(first, "only")],
-                operator: "copy".to_owned(),
-            },
+            None => self.population.copy(first, "copy"),
         };
         let mut mutation = place.stream(self.seed, "mutate");
         if mutation.chance(mutate) {
@@ -223,19 +172,19 @@ impl Genetic {
     }
 
     /// The children of the next generation in order of index.
-    fn next(&self) -> Vec<Child> {
-        let next = self.generation + 1;
-        let places = (0..self.settings.population).map(|index| self.place(next, index));
-        if self.generation == 0 {
+    fn next(&self) -> Vec<Child<grn::Genotype>> {
+        let places = self.population.next_places(self.settings.population);
+        if self.population.generation() == 0 {
             return places.map(|place| self.founder(place)).collect();
         }
-        let fitness: Vec<f64> = self.population.iter().map(|member| member.scored.fitness).collect();
+        let fitness: Vec<f64> =
+            self.population.members().iter().map(|member| member.scored.fitness).collect();
         let elites = self.settings.breeding.elite as usize;
         let ranks = selection::ranks(&fitness);
         places
             .enumerate()
             .map(|(index, place)| match ranks.get(index).filter(|_| index < elites) {
-                Some(&rank) => self.elite(rank),
+                Some(&rank) => self.population.copy(rank, "elite"),
                 None => self.breed(&fitness, place),
             })
             .collect()
@@ -244,47 +193,20 @@ impl Genetic {
 
 impl Search for Genetic {
     fn ask(&mut self) -> Vec<Individual> {
-        if self.generation >= self.settings.generations {
+        if self.population.generation() >= self.settings.generations {
             return Vec::new();
         }
         let children = self.next();
-        let genotypes: Vec<Vec<u8>> = children.iter().map(|child| child.genotype.encode()).collect();
-        let firsts = [self.place(self.generation, 0), self.place(self.generation + 1, 0)];
-        let inherits = inherited(self.population.iter().map(|member| &member.scored), &genotypes, firsts);
-        let individuals = children
-            .iter()
-            .zip(&genotypes)
-            .zip(inherits)
-            .map(|((child, genotype), inherits)| Individual {
-                genotype: genotype.clone(),
-                parents: child.parents.clone(),
-                operator: child.operator.clone(),
-                traits: child.genotype.traits(),
-                inherits,
-            })
-            .collect();
-        self.asked = Some(children.into_iter().map(|child| child.genotype).zip(genotypes).collect());
-        individuals
+        self.population.ask(children)
     }
 
     fn tell(&mut self, outcomes: &[Option<Outcome>]) -> Record {
-        let asked = self.asked.take().expect("a generation is told after it was asked for");
-        assert_eq!(asked.len(), outcomes.len(), "one outcome an individual");
-        self.population = asked
-            .into_iter()
-            .zip(outcomes)
-            .map(|((genotype, bytes), outcome)| Member {
-                genotype,
-                scored: Scored::new(bytes, outcome.as_ref()),
-            })
-            .collect();
-        self.generation += 1;
+        self.population.tell(outcomes);
         Record::default()
     }
 
     fn checkpoint(&self) -> Vec<u8> {
-        let scored: Vec<&Scored> = self.population.iter().map(|member| &member.scored).collect();
-        checkpoint::write(KIND, &(self.generation, scored))
+        self.population.checkpoint(KIND)
     }
 }
 

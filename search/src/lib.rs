@@ -10,6 +10,7 @@ pub mod hash;
 mod inheritance;
 pub mod neat;
 pub mod place;
+pub mod population;
 pub mod probe;
 pub mod registry;
 pub mod selection;

@@ -165,7 +165,8 @@ pub(crate) fn report(cells: &[Cell]) -> Report {
         notes.push(format!("cells differ in {}", unlike.join(" and ")));
     }
     let complete = !cells.is_empty() && notes.is_empty();
-    if culling {
+    // Without tests there are no verdicts to leave out.
+    if culling && !tests.is_empty() {
         notes.push("culling was on, and the paper has none: its verdicts are left out".to_owned());
     }
     let settled = tests.iter().filter_map(|test| test.agrees);

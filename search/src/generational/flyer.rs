@@ -1,11 +1,10 @@
 //! Flyers as the algorithm sees them.
 
 use super::Variation;
+use creatures::SpecError;
 use creatures::flyer::Genotype;
 use creatures::flyer::variation::Settings;
 use creatures::random::Stream;
-use creatures::{DecodeError, SpecError};
-use serde_json::Value;
 
 impl Variation for Settings {
     type Genotype = Genotype;
@@ -30,17 +29,5 @@ impl Variation for Settings {
 
     fn mutate(&self, genotype: &mut Genotype, stream: &mut Stream) -> String {
         genotype.mutate(self, stream).join("+")
-    }
-
-    fn encode(genotype: &Genotype) -> Vec<u8> {
-        genotype.encode()
-    }
-
-    fn decode(bytes: &[u8]) -> Result<Genotype, DecodeError> {
-        Genotype::decode(bytes)
-    }
-
-    fn traits(genotype: &Genotype) -> Value {
-        genotype.traits()
     }
 }

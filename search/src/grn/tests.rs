@@ -1,12 +1,12 @@
 use super::*;
+use crate::Parent;
 use serde_json::json;
 
 /// Generation 2 of a population whose fitness falls with the index, so that index 0 is the best.
 fn second_generation(keys: Value, population: u32) -> (Genetic, Vec<Individual>) {
     let table = json!({ "population": population, "grn": keys });
     let settings = Settings::read(table, &json!({ "body": "crawler" })).unwrap();
-    let mut search =
-        Genetic { settings, seed: 4, stage: 0, generation: 0, population: Vec::new(), asked: None };
+    let mut search = Genetic { settings, seed: 4, population: Population::new(0) };
     let outcomes: Vec<_> = (0..search.ask().len())
         .map(|index| {
             Some(Outcome {
@@ -66,7 +66,7 @@ fn the_elite_passes_unchanged_in_the_first_slots() {
         let place = Place { stage: 0, generation: 1, index: index as u32 };
         assert_eq!(one.operator, "elite");
         assert_eq!(one.parents, [Parent { place, role: "only".to_owned() }]);
-        assert_eq!(one.genotype, search.population[index].scored.genotype.0);
+        assert_eq!(one.genotype, search.population.members()[index].scored.genotype.0);
         assert_eq!(one.inherits, Some(place));
     }
     assert!(next[3..].iter().all(|one| one.operator != "elite"));
@@ -81,7 +81,8 @@ fn crossover_has_two_different_parents_and_the_first_gives_the_head() {
     let mut crossed = 0;
     for one in &next[1..] {
         let child = grn::Genotype::decode(&one.genotype).unwrap();
-        let parent = |index: usize| &search.population[one.parents[index].place.index as usize].genotype;
+        let parent =
+            |index: usize| &search.population.members()[one.parents[index].place.index as usize].genotype;
         if one.operator == "crossover" {
             crossed += 1;
             assert_ne!(one.parents[0].place, one.parents[1].place);
