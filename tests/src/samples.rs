@@ -42,6 +42,26 @@ generations = {generations}
     )
 }
 
+/// Flyers, for ten simulated seconds each.
+pub fn flyers(seed: u64, population: u32, generations: u32) -> String {
+    format!(
+        r#"
+name = "flyers"
+system = "flyer"
+seed = {seed}
+runs = 1
+
+[task]
+steps = 200
+
+[search]
+kind = "generational"
+population = {population}
+generations = {generations}
+"#
+    )
+}
+
 /// The same in six runs, culled a quarter of the way: a fifth of those that stand worst against the previous generation.
 pub fn culled(text: &str) -> String {
     let text = text.replace("runs = 1", "runs = 6");

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use creatures::random::stream;
-use hatchery_tests::samples::{culled, probe, walkers};
+use hatchery_tests::samples::{culled, flyers, probe, walkers};
 use hatchery_tests::{Hatchery, command, local};
 
 #[test]
@@ -15,6 +15,7 @@ fn a_lineage_is_the_same_for_any_number_of_workers() {
         walkers("hopper", "neat", 2, 12, 4),
         walkers("runner", "grn", 3, 8, 3),
         walkers("arm", "neat", 4, 8, 3),
+        culled(&flyers(10, 12, 4)),
         probe(5, 300, 5, 0),
     ];
     let expected: Vec<String> = experiments.iter().map(|text| local::lineage(text)).collect();
