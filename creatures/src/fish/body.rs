@@ -4,7 +4,7 @@
 mod anatomy;
 mod check;
 
-pub use anatomy::{ABDOMEN, MIDSECTION, MIDSECTION_LEFT, MIDSECTION_RIGHT, RING_1, RING_3};
+pub use anatomy::{ABDOMEN, MIDSECTION, MIDSECTION_LEFT, MIDSECTION_RIGHT, NOSE, RING_1, RING_3, TIPS};
 pub use check::BodyError;
 
 use super::lattice::{Face, Lattice, Spring};

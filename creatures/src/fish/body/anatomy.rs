@@ -27,7 +27,7 @@ const RING_MASSES: [f64; 5] = [6.6, 11.0, 6.6, 1.1, 1.1];
 const NOSE_MASS: f64 = 1.1;
 const TIP_MASS: f64 = 0.165;
 /// The tips of the tail fin.
-pub(super) const TIPS: [usize; 2] = [21, 22];
+pub const TIPS: [usize; 2] = [21, 22];
 
 /// The node at a corner of a ring, both from 0; corners go round.
 const fn at(ring: usize, corner: usize) -> usize {
