@@ -1,0 +1,111 @@
+//! Controller sets: what a fish has learned, as maps from how fast and how sharply to the controller for it
+//! . It learns nothing.
+
+use super::controller::Controller;
+use super::turn::STRENGTH;
+use crate::DecodeError;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+
+/// The genotype that the buoy task drives: learned swims and turns with what they were measured to do.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ControllerSet {
+    /// Straight swims, the slowest first: the forward-speed map.
+    pub swims: Vec<Calibrated>,
+    /// Left turns, the gentlest first: the steering map. The right ones are their mirror images.
+    pub turns: Vec<Calibrated>,
+}
+
+/// A controller and what it was measured to do.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Calibrated {
+    /// Its name in the set.
+    pub name: String,
+    /// The controller.
+    pub controller: Controller,
+    /// Of a swim its speed, L by time; of a turn its rate, rad by time, left positive.
+    pub measured: f64,
+}
+
+impl ControllerSet {
+    /// Sorts what was measured into maps. Of equals the first named stays in front, and is refused by
+    /// [`ControllerSet::check`].
+    pub fn sorted(mut swims: Vec<Calibrated>, mut turns: Vec<Calibrated>) -> ControllerSet {
+        for map in [&mut swims, &mut turns] {
+            map.sort_by(|a, b| a.measured.total_cmp(&b.measured));
+        }
+        ControllerSet { swims, turns }
+    }
+
+    ///
+    ///
+    /// # Errors
+    /// The field that is wrong.
+    pub fn check(&self) -> Result<(), DecodeError> {
+        let mut names = BTreeSet::new();
+        let mut oscillations = None;
+        for (map, entries) in [("swims", &self.swims), ("turns", &self.turns)] {
+            if entries.is_empty() {
+                return Err(DecodeError::illegal(format!("controller_set.{map}"), "has no controller"));
+            }
+            let mut before = 0.0;
+            for (index, entry) in entries.iter().enumerate() {
+                let path = format!("controller_set.{map}[{index}]");
+                let refuse = |field: &str, problem: String| {
+                    Err(DecodeError::illegal(format!("{path}.{field}"), problem))
+                };
+                entry.controller.check(&format!("{path}.controller"))?;
+                let m = entry.controller.oscillations();
+                if *oscillations.get_or_insert(m) != m {
+                    return refuse("controller.frequency", format!("{m} oscillations beside others"));
+                }
+                if !names.insert(&entry.name) {
+                    return refuse("name", format!("`{}` is there twice", entry.name));
+                }
+                if !(entry.measured > before && entry.measured.is_finite()) {
+                    return refuse("measured", format!("{} is not above {before}", entry.measured));
+                }
+                before = entry.measured;
+            }
+        }
+        Ok(())
+    }
+
+    /// The controller for σ in [0, 1], the share of the fastest swim's speed, and a bias e: at 0 straight, at
+    /// ±0.75 and beyond the sharpest turn.
+    ///
+    /// Below the slowest swim its amplitudes shrink. A right turn is a left turn's mirror image half a beat
+    /// later, so that the beat goes on where straight swims pass into it on either side.
+    pub fn controller(&self, swim: f64, bias: f64) -> Controller {
+        let fastest = self.swims.last().expect("a checked set has a swim").measured;
+        let slowest = &self.swims[0].controller;
+        let straight = between(&slowest.amplified(0.0), &self.swims, swim * fastest);
+        if bias == 0.0 {
+            return straight;
+        }
+        let sharpest = self.turns.last().expect("a checked set has a turn").measured;
+        let share = (bias.abs() / STRENGTH).min(1.0);
+        let turned = |straight: &Controller| between(straight, &self.turns, share * sharpest);
+        if bias > 0.0 {
+            return turned(&straight);
+        }
+        turned(&straight.mirrored().half_a_beat_later()).mirrored().half_a_beat_later()
+    }
+}
+
+/// The map at a measure: between its neighbours, with `least` at 0 and the last beyond the end.
+fn between(least: &Controller, map: &[Calibrated], at: f64) -> Controller {
+    let (mut low, mut low_measured) = (least, 0.0);
+    for entry in map {
+        if at <= entry.measured {
+            return low.between(&entry.controller, (at - low_measured) / (entry.measured - low_measured));
+        }
+        (low, low_measured) = (&entry.controller, entry.measured);
+    }
+    low.clone()
+}
+
+#[cfg(test)]
+pub(crate) mod tests;
