@@ -17,8 +17,8 @@ pub use encoding::DecodeError;
 pub use outcome::{Cull, Interim, Outcome, Reason, Status, Verdict};
 
 /// Every published system, by name.
-pub fn systems() -> [&'static dyn System; 3] {
-    [&probe::Probe, &walker::Walker, &flyer::Flyer]
+pub fn systems() -> [&'static dyn System; 4] {
+    [&probe::Probe, &walker::Walker, &flyer::Flyer, &fish::Fish]
 }
 
 /// The system of a name.

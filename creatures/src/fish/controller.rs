@@ -148,19 +148,19 @@ impl Controller {
         straight
     }
 
-    /// Between two controllers of equally many oscillations, `share` of the way to the other one: offset,
-    /// amplitude and frequency in a straight line, phase along the shorter arc.
-    #[must_use]
-    pub fn between(&self, other: &Controller, share: f64) -> Controller {
-        let line = |a: &[f64], b: &[f64]| -> Vec<f64> {
-            a.iter().zip(b).map(|(a, b)| a + share * (b - a)).collect()
+    /// Becomes what lies between two controllers of as many oscillations, `share` of the way from the first to
+    /// the second: offset, amplitude and frequency in a straight line, phase along the shorter arc.
+    pub fn blend(&mut self, a: &Controller, b: &Controller, share: f64) {
+        let line = |to: &mut [f64], a: &[f64], b: &[f64]| {
+            for ((to, a), b) in to.iter_mut().zip(a).zip(b) {
+                *to = a + share * (b - a);
+            }
         };
-        let arc = |(a, b): (&f64, &f64)| wrap_angle(a + share * wrap_angle(b - a));
-        Controller {
-            frequency: line(&self.frequency, &other.frequency),
-            offset: line(&self.offset, &other.offset),
-            amplitude: line(&self.amplitude, &other.amplitude),
-            phase: self.phase.iter().zip(&other.phase).map(arc).collect(),
+        line(&mut self.frequency, &a.frequency, &b.frequency);
+        line(&mut self.offset, &a.offset, &b.offset);
+        line(&mut self.amplitude, &a.amplitude, &b.amplitude);
+        for ((to, a), b) in self.phase.iter_mut().zip(&a.phase).zip(&b.phase) {
+            *to = wrap_angle(a + share * wrap_angle(b - a));
         }
     }
 }

@@ -1,5 +1,5 @@
 //! Controller sets: what a fish has learned, as maps from how fast and how sharply to the controller for it
-//! . It learns nothing.
+//! . They are put together elsewhere.
 
 use super::controller::Controller;
 use super::turn::STRENGTH;
@@ -72,39 +72,67 @@ impl ControllerSet {
         }
         Ok(())
     }
+}
+
+/// The maps of a set, laid out to be looked up step by step without allocating.
+#[derive(Debug, Clone)]
+pub struct Maps {
+    swims: Map,
+    left: Map,
+    /// The left turns' mirror images half a beat later, so that the beat goes on where straight swims pass into a
+    /// turn on either side.
+    right: Map,
+    straight: Controller,
+    turning: Controller,
+}
+
+/// Controllers by what they were measured to do, the least first.
+type Map = Vec<(f64, Controller)>;
+
+impl Maps {
+    /// Of a legal set.
+    pub fn new(set: &ControllerSet) -> Maps {
+        let map = |entries: &[Calibrated], of: fn(&Controller) -> Controller| -> Map {
+            entries.iter().map(|entry| (entry.measured, of(&entry.controller))).collect()
+        };
+        let slowest = &set.swims[0].controller;
+        let mut swims = vec![(0.0, slowest.amplified(0.0))];
+        swims.extend(map(&set.swims, Controller::clone));
+        Maps {
+            swims,
+            left: map(&set.turns, Controller::clone),
+            right: map(&set.turns, |turn| turn.mirrored().half_a_beat_later()),
+            straight: slowest.clone(),
+            turning: slowest.clone(),
+        }
+    }
 
     /// The controller for σ in [0, 1], the share of the fastest swim's speed, and a bias e: at 0 straight, at
-    /// ±0.75 and beyond the sharpest turn.
-    ///
-    /// Below the slowest swim its amplitudes shrink. A right turn is a left turn's mirror image half a beat
-    /// later, so that the beat goes on where straight swims pass into it on either side.
-    pub fn controller(&self, swim: f64, bias: f64) -> Controller {
-        let fastest = self.swims.last().expect("a checked set has a swim").measured;
-        let slowest = &self.swims[0].controller;
-        let straight = between(&slowest.amplified(0.0), &self.swims, swim * fastest);
+    /// ±0.75 and beyond the sharpest turn. Below the slowest swim its amplitudes shrink.
+    pub fn controller(&mut self, swim: f64, bias: f64) -> &Controller {
+        let fastest = self.swims.last().map_or(0.0, |&(speed, _)| speed);
+        look_up(&mut self.straight, &self.swims[0].1, &self.swims, swim * fastest);
         if bias == 0.0 {
-            return straight;
+            return &self.straight;
         }
-        let sharpest = self.turns.last().expect("a checked set has a turn").measured;
+        let turns = if bias > 0.0 { &self.left } else { &self.right };
+        let sharpest = turns.last().map_or(0.0, |&(rate, _)| rate);
         let share = (bias.abs() / STRENGTH).min(1.0);
-        let turned = |straight: &Controller| between(straight, &self.turns, share * sharpest);
-        if bias > 0.0 {
-            return turned(&straight);
-        }
-        turned(&straight.mirrored().half_a_beat_later()).mirrored().half_a_beat_later()
+        look_up(&mut self.turning, &self.straight, turns, share * sharpest);
+        &self.turning
     }
 }
 
-/// The map at a measure: between its neighbours, with `least` at 0 and the last beyond the end.
-fn between(least: &Controller, map: &[Calibrated], at: f64) -> Controller {
+/// What a map has at a measure: between its neighbours, with `least` at 0 and the last beyond the end.
+fn look_up(found: &mut Controller, least: &Controller, map: &Map, at: f64) {
     let (mut low, mut low_measured) = (least, 0.0);
-    for entry in map {
-        if at <= entry.measured {
-            return low.between(&entry.controller, (at - low_measured) / (entry.measured - low_measured));
+    for (measured, controller) in map {
+        if at <= *measured && *measured > low_measured {
+            return found.blend(low, controller, (at - low_measured) / (measured - low_measured));
         }
-        (low, low_measured) = (&entry.controller, entry.measured);
+        (low, low_measured) = (controller, *measured);
     }
-    low.clone()
+    found.blend(low, low, 0.0);
 }
 
 #[cfg(test)]

@@ -5,7 +5,8 @@
 //! in water, [`chase`] for what makes it get somewhere.
 //!
 //! What it learns: [`samples`] practised for an [`objective`], [`abstraction`] to a [`controller`], a
-//! [`controller_set`] that steers by maps; [`genotype`] is what of these is varied.
+//! [`controller_set`] that steers by maps; [`genotype`] is what of these is varied, and
+//! [`task`] what it is put to.
 
 pub mod abstraction;
 pub mod body;
@@ -20,9 +21,11 @@ pub mod mechanics;
 pub mod motor;
 pub mod objective;
 pub mod posture;
+pub mod practice;
 pub mod samples;
 pub mod skyline;
 pub mod swimmer;
+pub mod task;
 pub mod turn;
 
 pub use abstraction::abstracted;
@@ -37,3 +40,73 @@ pub use objective::{Criterion, Objective};
 pub use posture::Posture;
 pub use samples::{Encoding, Interpolation, Samples};
 pub use swimmer::Swimmer;
+pub use task::FishTask;
+
+use crate::random::stream;
+use crate::{Proof, SpecError, System, Task};
+
+/// The registry's entry.
+#[derive(Debug)]
+pub struct Fish;
+
+impl System for Fish {
+    fn name(&self) -> &'static str {
+        "fish"
+    }
+
+    fn version(&self) -> u32 {
+        1
+    }
+
+    fn resolve(&self, task: serde_json::Value) -> Result<serde_json::Value, SpecError> {
+        let task = FishTask::read(task)?;
+        let resolved = serde_json::to_value(&task).expect("a plain struct serialises");
+        task.prepare()?;
+        Ok(resolved)
+    }
+
+    fn task(&self, resolved: &str) -> Result<Box<dyn Task>, SpecError> {
+        let value = serde_json::from_str(resolved).map_err(|e| SpecError::new("", e.to_string()))?;
+        Ok(Box::new(FishTask::read(value)?.prepare()?))
+    }
+
+    /// Body lengths toward the target of a drill, along the course of a race, or the fitness so far at the buoys
+    /// (A-94).
+    fn interim_measure(&self, _: &serde_json::Value) -> &'static str {
+        "progress"
+    }
+
+    /// Practice of both encodings and interpolations, straight, turning and for every criterion, in two sizes; a
+    /// race of a controller; a set at the buoys, which chases, turns, climbs and rolls.
+    fn proofs(&self) -> Vec<Proof> {
+        let samples = |encoding| {
+            let samples =
+                Samples::random(0, encoding, samples::COUNT, 60, &mut stream(0, [0, 0, 0], "fish proof"));
+            Genotype::MuscleSamples(samples)
+        };
+        let controller = match samples(Encoding::Tied) {
+            Genotype::MuscleSamples(samples) => abstracted(&samples, 1),
+            _ => unreachable!("samples are samples"),
+        };
+        let entry =
+            |name: &str, controller, measured| Calibrated { name: name.to_owned(), controller, measured };
+        let set = ControllerSet {
+            swims: vec![entry("swim", controller.symmetrised(), 0.05)],
+            turns: vec![entry("turn", controller.clone(), 0.02)],
+        };
+        let lesson = r#"{"scenario":"drill","lesson":{"steps":60"#;
+        [
+            (format!("{lesson}}}}}"), samples(Encoding::Full)),
+            (format!(r#"{lesson},"interpolation":"linear"}},"body":{{"size":1.7}}}}"#), samples(Encoding::Tied)),
+            (format!(r#"{lesson},"approach":60,"objective":{{"criterion":{{"heading_degrees":30}}}}}}}}"#), samples(Encoding::Tied)),
+            (format!(r#"{lesson},"objective":{{"criterion":{{"path":[[0,0,0],[0,9,0]]}}}}}},"body":{{"newton":2}}}}"#), samples(Encoding::Full)),
+            (r#"{"scenario":"race","course":{"steps":120}}"#.to_owned(), Genotype::Controller(controller)),
+            (r#"{"scenario":"buoys","course":{"steps":300,"trials":2}}"#.to_owned(), Genotype::ControllerSet(set)),
+        ]
+        .map(|(task, genotype)| Proof { task, genotype: genotype.encode(), seed: 0 })
+        .to_vec()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -2,6 +2,8 @@
 //! (A-22..A-29). It moves no node.
 
 use super::body::MUSCLES;
+use super::controller::{self, Phases};
+use super::controller_set::Maps;
 use super::fins::{FinAngles, NEUTRAL};
 use super::mechanics::TIME_STEP;
 use super::turn::TimedTurn;
@@ -83,6 +85,8 @@ impl Gait {
 pub struct Motor {
     /// θ₁, θ₂: where the anterior and the posterior segment are in their beat, rad in [0, 2π).
     pub phases: [f64; 2],
+    /// θ of a learned controller's oscillations, rad.
+    pub oscillations: Phases,
     /// e, the bias at work.
     pub bias: f64,
     /// γ.
@@ -96,7 +100,14 @@ pub struct Motor {
 impl Default for Motor {
     /// At rest, with fins neutral and the mouth closed.
     fn default() -> Self {
-        Motor { phases: [0.0; 2], bias: 0.0, fins: FinAngles::both(NEUTRAL), mouth: 0.0, turn: None }
+        Motor {
+            phases: [0.0; 2],
+            oscillations: Phases::default(),
+            bias: 0.0,
+            fins: FinAngles::both(NEUTRAL),
+            mouth: 0.0,
+            turn: None,
+        }
     }
 }
 
@@ -123,6 +134,13 @@ impl Motor {
         let anterior = beat(gait.amplitudes[0], self.phases[0]);
         let posterior = beat(gait.amplitudes[1], self.phases[1] - gait.lag);
         turned(self.bias, anterior, posterior)
+    }
+
+    /// Goes on by one step of what was learned, in place of a gait.
+    pub fn follow(&mut self, maps: &mut Maps, swim: f64) -> Actuation {
+        let controller = maps.controller(swim, self.bias);
+        controller::advance(&mut self.oscillations, &controller.frequency);
+        controller.actuation(&self.oscillations)
     }
 
     /// Moves the bias by one step; whether a timed turn is under way.

@@ -2,6 +2,7 @@
 //! wants, and what else is in the water, is told from outside.
 
 use super::body::{Body, NODES};
+use super::controller_set::{ControllerSet, Maps};
 use super::fins::{self, STROKE_MAX};
 use super::hydrodynamics::Water;
 use super::lattice::Motion;
@@ -25,6 +26,8 @@ pub struct Swimmer {
     pub motion: Motion,
     /// What its motor controllers remember.
     pub motor: Motor,
+    /// What it swims by in place of the hand-made controllers.
+    learned: Option<Maps>,
     mechanics: Mechanics,
     /// (springs), l(t).
     rest_lengths: Vec<f64>,
@@ -46,6 +49,7 @@ impl Swimmer {
         Swimmer {
             motion: Motion::at_rest(positions),
             motor: Motor::default(),
+            learned: None,
             mechanics: Mechanics::new(&body.lattice, newton, SPEED_MAX * body.size),
             rest_lengths: body.lattice.springs.iter().map(|spring| spring.rest_length).collect(),
             forces: vec![DVec3::ZERO; NODES],
@@ -53,7 +57,14 @@ impl Swimmer {
         }
     }
 
-    /// One step as a command asks, by the hand-made controllers (A-22..A-33).
+    /// The same fish with a learned, legal set in place of its hand-made controllers; commands stay what they are
+    ///
+    #[must_use]
+    pub fn taught(self, set: &ControllerSet) -> Swimmer {
+        Swimmer { learned: Some(Maps::new(set)), ..self }
+    }
+
+    /// One step as a command asks (A-22..A-33).
     ///
     /// `forces` (nodes) are those of the world: contact, suction; empty for none.
     ///
@@ -61,8 +72,12 @@ impl Swimmer {
     /// What has gone out of bounds; the fish is then of no use.
     pub fn step(&mut self, command: &Command, water: &impl Water, forces: &[DVec3]) -> Result<(), Fault> {
         let swim = self.motor.obey(command, self.posture().roll());
-        let actuation = self.motor.beat(&Gait::swim(swim));
-        self.row(command, water);
+        let actuation = match &mut self.learned {
+            None => self.motor.beat(&Gait::swim(swim)),
+            Some(maps) => self.motor.follow(maps, swim),
+        };
+        let stroke = command.stroke.clamp(-STROKE_MAX, STROKE_MAX);
+        fins::push(&self.body, &self.motion, self.motor.fins, stroke, water, &mut self.forces);
         self.contract(&actuation, water, forces)
     }
 
@@ -75,19 +90,8 @@ impl Swimmer {
         self.contract(actuation, water, &[])
     }
 
-    /// Lets the fins act as the motor state has them.
-    pub(super) fn row(&mut self, command: &Command, water: &impl Water) {
-        let stroke = command.stroke.clamp(-STROKE_MAX, STROKE_MAX);
-        fins::push(&self.body, &self.motion, self.motor.fins, stroke, water, &mut self.forces);
-    }
-
     /// Contracts the muscles and moves by a step under what forces have gathered.
-    pub(super) fn contract(
-        &mut self,
-        actuation: &Actuation,
-        water: &impl Water,
-        forces: &[DVec3],
-    ) -> Result<(), Fault> {
+    fn contract(&mut self, actuation: &Actuation, water: &impl Water, forces: &[DVec3]) -> Result<(), Fault> {
         for (sum, force) in self.forces.iter_mut().zip(forces) {
             *sum += *force;
         }

@@ -1,6 +1,5 @@
 use super::*;
 use crate::fish::controller::{OSCILLATIONS_MAX, advance};
-use crate::fish::mechanics::TIME_STEP;
 use crate::math::wrap_angle;
 use std::f64::consts::PI;
 
@@ -11,8 +10,9 @@ pub(crate) fn beating(amplitude: f64, bend: f64) -> Controller {
     for muscle in 0..12 {
         let segment = muscle / 4;
         let lean = if segment < 2 { bend * side(muscle) } else { 0.0 };
-        offset.push((0.5 * amplitude + lean).clamp(0.0, 1.0));
-        swing.push(if segment == 0 { 0.0 } else { 0.5 * amplitude });
+        let swings = if segment == 0 { 0.0 } else { 0.5 * amplitude };
+        offset.push((swings + lean).clamp(0.0, 1.0));
+        swing.push(swings);
         let lag = if segment == 2 { PI } else { 0.0 };
         phase.push(wrap_angle(if side(muscle) > 0.0 { lag } else { lag + PI }));
     }
@@ -32,36 +32,53 @@ pub(crate) fn set() -> ControllerSet {
     }
 }
 
+fn near(found: &[f64], expected: &[f64]) {
+    let error = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(error < 1e-12, "{found:?} is not {expected:?}");
+}
+
 ///
 #[test]
 fn maps_pass_through_what_was_measured_and_between() {
     let set = set();
     set.check().unwrap();
-    assert_eq!(set.controller(1.0, 0.0), set.swims[1].controller);
-    let slow = set.controller(0.0417 / 0.0719, 0.0);
-    assert!((slow.amplitude[5] - 0.25).abs() < 1e-12);
-    let slower = set.controller(0.5 * 0.0417 / 0.0719, 0.0);
-    assert!((slower.amplitude[5] - 0.125).abs() < 1e-12, "amplitudes shrink toward rest");
-    let sharp = set.controller(1.0, 0.75);
-    assert_eq!((sharp.offset, sharp.amplitude), (beating(1.0, 0.4).offset, beating(1.0, 0.4).amplitude));
-    let gentler = set.controller(1.0, 0.75 * 0.25);
-    assert!((gentler.offset[0] - 0.6).abs() < 1e-12, "half way from straight to gentle");
+    let mut maps = Maps::new(&set);
+    let fast = maps.controller(1.0, 0.0);
+    near(&fast.amplitude, &beating(1.0, 0.0).amplitude);
+    near(&fast.phase, &beating(1.0, 0.0).phase);
+    near(&maps.controller(0.0417 / 0.0719, 0.0).amplitude, &beating(0.5, 0.0).amplitude);
+    let slower = maps.controller(0.5 * 0.0417 / 0.0719, 0.0);
+    near(&slower.amplitude, &beating(0.25, 0.0).amplitude);
+    let sharp = maps.controller(1.0, 0.75);
+    near(&sharp.offset, &beating(1.0, 0.4).offset);
+    near(&maps.controller(1.0, 2.0).offset, &beating(1.0, 0.4).offset);
+    let gentler = maps.controller(1.0, 0.75 * 0.25);
+    near(&gentler.offset, &beating(1.0, 0.1).offset);
+    near(&maps.controller(0.0, 0.0).amplitude, &[0.0; 12]);
 }
 
 /// right turns mirror left ones, and a bias that passes through 0 breaks no beat.
 #[test]
 fn right_turns_mirror_left_ones_and_the_beat_goes_on() {
-    let set = set();
-    let (left, right) = (set.controller(1.0, 0.5), set.controller(1.0, -0.5));
-    assert_eq!(right.mirrored().offset, left.offset);
+    let mut maps = Maps::new(&set());
+    let left = maps.controller(1.0, 0.5).clone();
+    let right = maps.controller(1.0, -0.5);
+    near(&right.mirrored().offset, &left.offset);
+    let later = right.mirrored().half_a_beat_later();
+    for (found, expected) in later.phase.iter().zip(&left.phase) {
+        assert!(wrap_angle(found - expected).abs() < 1e-12);
+    }
     let mut phases = [0.0; OSCILLATIONS_MAX];
     for _ in 0..50 {
         advance(&mut phases, &[4.0]);
-        let at = |bias| set.controller(1.0, bias).actuation(&phases);
-        for (a, b) in at(1e-9).into_iter().zip(at(-1e-9)) {
-            assert!((a - b).abs() < 1e-6, "after {} of time", TIME_STEP);
-        }
+        let mut at = |bias| maps.controller(1.0, bias).actuation(&phases);
+        let (left, right) = (at(1e-9), at(-1e-9));
+        near_enough(&left, &right);
     }
+}
+
+fn near_enough(a: &[f64], b: &[f64]) {
+    assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6), "{a:?} {b:?}");
 }
 
 ///

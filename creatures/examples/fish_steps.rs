@@ -1,0 +1,46 @@
+//! What a fish's step costs (B-2): a drill of the published length, whole, from bytes to outcome, and a swim by
+//! motor commands.
+//!
+//! `cargo run --release -p creatures --example fish_steps`
+
+#![allow(clippy::disallowed_types, reason = "an example that measures needs a clock")]
+
+use creatures::fish::samples::{COUNT, STEPS};
+use creatures::fish::{Body, Command, Encoding, Fish, Genotype, Samples, Still, Swimmer, Turn};
+use creatures::random::stream;
+use creatures::{Status, System};
+use glam::DVec3;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Microseconds a step of the least disturbed of some runs, each of which gives its steps.
+fn cost(mut run: impl FnMut() -> u32) -> f64 {
+    let time = |_| {
+        let start = Instant::now();
+        let steps = run();
+        start.elapsed().as_secs_f64() * 1e6 / f64::from(steps)
+    };
+    (0..50).map(time).fold(f64::INFINITY, f64::min)
+}
+
+fn main() {
+    let task = Fish.task(r#"{"scenario":"drill"}"#).expect("the drill has defaults");
+    let samples = Samples::random(0, Encoding::Tied, COUNT, STEPS, &mut stream(1, [0, 0, 0], "samples"));
+    let genotype = Genotype::MuscleSamples(samples).encode();
+    let drill = cost(|| {
+        let outcome = task.evaluate(&genotype, 0, None, &mut |_| {}).expect("samples are legal");
+        assert_eq!(outcome.status, Status::Completed, "a drill is swum to its end");
+        outcome.steps
+    });
+    println!("drill: {drill:.2} µs a step, {:.0} drills a second and core", 1e6 / (drill * f64::from(STEPS)));
+
+    let mut fish = Swimmer::new(Arc::new(Body::published(1.0)), DVec3::ZERO, 0.0);
+    let command = Command { swim: 1.0, turn: Turn::Bias(0.2), ..Command::default() };
+    let swim = cost(|| {
+        for _ in 0..1000 {
+            fish.step(&command, &Still, &[]).expect("a swim stays within bounds");
+        }
+        1000
+    });
+    println!("swim: {swim:.2} µs a step, {:.0} steps a second and core", 1e6 / swim);
+}

@@ -1,0 +1,84 @@
+//! What all trials have in common: counting steps, the interim report, and how an end becomes an outcome. It
+//! knows no task.
+
+use crate::fish::mechanics::Fault;
+use crate::{Cull, Interim, Outcome, Reason, Status, Verdict};
+
+/// Watches one evaluation.
+pub(super) struct Watch<'a> {
+    /// Steps done.
+    pub(super) steps: u32,
+    cull: Option<(&'a Cull, u32)>,
+    on_interim: &'a mut dyn FnMut(Interim),
+    interim: Option<Interim>,
+}
+
+/// How an evaluation ended before its last step.
+#[derive(Debug)]
+pub(super) enum End {
+    Culled,
+    Diverged(Fault),
+}
+
+impl From<Fault> for End {
+    fn from(fault: Fault) -> End {
+        End::Diverged(fault)
+    }
+}
+
+impl<'a> Watch<'a> {
+    /// Of an evaluation of so many steps.
+    pub(super) fn new(
+        steps: u32,
+        cull: Option<&'a Cull>,
+        on_interim: &'a mut dyn FnMut(Interim),
+    ) -> Watch<'a> {
+        let cull = cull.map(|cull| (cull, ((cull.at * f64::from(steps)) as u32).max(1)));
+        Watch { steps: 0, cull, on_interim, interim: None }
+    }
+
+    /// Counts a step, and makes the interim report if it is due.
+    ///
+    /// # Errors
+    /// The creature is culled.
+    pub(super) fn count(&mut self, measure: impl FnOnce() -> f64) -> Result<(), End> {
+        self.steps += 1;
+        let Some((cull, _)) = self.cull.filter(|&(_, step)| step == self.steps) else {
+            return Ok(());
+        };
+        let interim = Interim { step: self.steps, measure: measure() };
+        self.interim = Some(interim);
+        (self.on_interim)(interim);
+        if cull.verdict(interim.measure) == Verdict::Cull { Err(End::Culled) } else { Ok(()) }
+    }
+
+    /// The outcome of an evaluation. What has gone out of bounds is named with its step; measures that are no
+    /// numbers then are left out (AF-7, AF-8).
+    pub(super) fn outcome<const N: usize>(
+        &self,
+        end: Result<(), End>,
+        fitness: f64,
+        measures: [(&str, f64); N],
+    ) -> Outcome {
+        let (status, note) = match end {
+            Ok(()) => (Status::Completed, String::new()),
+            Err(End::Culled) => (Status::Culled, String::new()),
+            Err(End::Diverged(fault)) => {
+                let reason = match fault {
+                    Fault::NonFinite(_) => Reason::NonFinite,
+                    Fault::Pivot(_) | Fault::Collapsed(_) | Fault::TooFast { .. } => Reason::BlowUp,
+                };
+                (Status::Aborted(reason), format!("{fault} at step {}", self.steps + 1))
+            }
+        };
+        let measures = measures.into_iter().filter(|(_, value)| value.is_finite());
+        Outcome {
+            fitness: if status == Status::Completed { fitness } else { 0.0 },
+            status,
+            steps: self.steps,
+            measures: measures.map(|(name, value)| (name.to_owned(), value)).collect(),
+            interim: self.interim,
+            note,
+        }
+    }
+}
