@@ -1,6 +1,7 @@
 //! What is asked next. A search is asked for a generation and told its outcomes; it knows nothing of
 //! workers, SQL or gRPC. Pure: no I/O, no async, no clock, no thread, no hash order.
 
+pub mod annealing;
 pub mod checkpoint;
 pub mod culling;
 pub mod experiment;

@@ -2,7 +2,7 @@
 //! A new search is one line here. It runs nothing.
 
 use crate::checkpoint::RestoreError;
-use crate::{Search, generational, grn, neat, probe};
+use crate::{Search, annealing, generational, grn, neat, probe};
 use creatures::SpecError;
 use creatures::flyer;
 use serde_json::Value;
@@ -45,7 +45,13 @@ pub struct Kind {
 }
 
 /// Every kind.
-pub static KINDS: [Kind; 4] = [
+pub static KINDS: [Kind; 5] = [
+    Kind {
+        name: annealing::KIND,
+        system: "fish",
+        runs: 1,
+        read: |table, task| Ok(Box::new(annealing::Settings::read(table, task)?)),
+    },
     Kind {
         name: generational::KIND,
         system: "flyer",

@@ -53,6 +53,17 @@ where
     Ok((read_spec(Value::Object(table_a))?, read_spec(Value::Object(table_b))?))
 }
 
+/// The table that a value has to be.
+///
+/// # Errors
+/// Any other value.
+pub(crate) fn object(table: Value) -> Result<Map<String, Value>, SpecError> {
+    match table {
+        Value::Object(table) => Ok(table),
+        other => Err(SpecError::new("", format!("{other} is no table"))),
+    }
+}
+
 /// The inverse of [`read_joined`].
 pub(crate) fn write_joined<A: Serialize, B: Serialize>(a: &A, b: &B) -> Map<String, Value> {
     let mut table = write(a);
