@@ -5,7 +5,7 @@
 mod chain;
 mod schedule;
 
-use chain::Chains;
+pub(crate) use chain::{Chains, Standing, State};
 pub use schedule::{Cooling, Schedule};
 
 use crate::checkpoint::{self, RestoreError};

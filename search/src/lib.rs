@@ -9,6 +9,7 @@ pub mod generational;
 pub mod grn;
 pub mod hash;
 mod inheritance;
+pub mod learning;
 pub mod neat;
 pub mod place;
 pub mod population;

@@ -2,7 +2,7 @@
 //! A new search is one line here. It runs nothing.
 
 use crate::checkpoint::RestoreError;
-use crate::{Search, annealing, generational, grn, neat, probe};
+use crate::{Search, annealing, generational, grn, learning, neat, probe};
 use creatures::SpecError;
 use creatures::flyer;
 use serde_json::Value;
@@ -45,7 +45,7 @@ pub struct Kind {
 }
 
 /// Every kind.
-pub static KINDS: [Kind; 5] = [
+pub static KINDS: [Kind; 6] = [
     Kind {
         name: annealing::KIND,
         system: "fish",
@@ -63,6 +63,12 @@ pub static KINDS: [Kind; 5] = [
         system: "walker",
         runs: 20,
         read: |table, task| Ok(Box::new(grn::Settings::read(table, task)?)),
+    },
+    Kind {
+        name: learning::KIND,
+        system: "fish",
+        runs: 1,
+        read: |table, task| Ok(Box::new(learning::Settings::read(table, task)?)),
     },
     Kind {
         name: neat::KIND,

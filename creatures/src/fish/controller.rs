@@ -107,14 +107,29 @@ impl Controller {
         }
     }
 
-    /// The same controller half a beat of its first oscillation later.
+    /// The same controller later, by an angle of its first oscillation, rad.
     #[must_use]
-    pub fn half_a_beat_later(&self) -> Controller {
+    pub fn later(&self, angle: f64) -> Controller {
         let m = self.oscillations();
         let shift = |(index, phase): (usize, &f64)| {
-            wrap_angle(phase + PI * self.frequency[index % m] / self.frequency[0])
+            wrap_angle(phase + angle * self.frequency[index % m] / self.frequency[0])
         };
         Controller { phase: self.phase.iter().enumerate().map(shift).collect(), ..self.clone() }
+    }
+
+    /// The same controller at such a time that its first oscillation agrees best with another one's over all
+    /// muscles, so that what lies between the two keeps their coordination.
+    #[must_use]
+    pub fn aligned(&self, to: &Controller) -> Controller {
+        let (m, n) = (self.oscillations(), to.oscillations());
+        let part = |of: fn(f64) -> f64| {
+            let term = |muscle: usize| {
+                let weight = self.amplitude[muscle * m] * to.amplitude[muscle * n];
+                weight * of(to.phase[muscle * n] - self.phase[muscle * m])
+            };
+            (0..MUSCLES).map(term).sum::<f64>()
+        };
+        self.later(atan2(part(sin), part(cos)))
     }
 
     /// For a straight swim: left and right beat against each other alike, and bend to neither side.

@@ -6,6 +6,7 @@ use super::turn::STRENGTH;
 use crate::DecodeError;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
+use std::f64::consts::PI;
 
 /// The genotype that the buoy task drives: learned swims and turns with what they were measured to do.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,13 +31,19 @@ pub struct Calibrated {
 }
 
 impl ControllerSet {
-    /// Sorts what was measured into maps. Of equals the first named stays in front, and is refused by
-    /// [`ControllerSet::check`].
-    pub fn sorted(mut swims: Vec<Calibrated>, mut turns: Vec<Calibrated>) -> ControllerSet {
-        for map in [&mut swims, &mut turns] {
-            map.sort_by(|a, b| a.measured.total_cmp(&b.measured));
-        }
-        ControllerSet { swims, turns }
+    /// Sorts what was measured into maps whose beats agree with the fastest swim's. What does not get on, or not
+    /// farther than the one before, is left out; no set without a swim and a turn.
+    pub fn assembled(swims: Vec<Calibrated>, turns: Vec<Calibrated>) -> Option<ControllerSet> {
+        let (swims, turns) = (ascending(swims), ascending(turns));
+        let fastest = swims.last()?.controller.clone();
+        let align = |map: Vec<Calibrated>| -> Vec<Calibrated> {
+            let aligned = |entry: Calibrated| {
+                let controller = entry.controller.aligned(&fastest);
+                Calibrated { controller, ..entry }
+            };
+            map.into_iter().map(aligned).collect()
+        };
+        (!turns.is_empty()).then(|| ControllerSet { swims: align(swims), turns: align(turns) })
     }
 
     ///
@@ -74,6 +81,17 @@ impl ControllerSet {
     }
 }
 
+fn ascending(mut entries: Vec<Calibrated>) -> Vec<Calibrated> {
+    entries.sort_by(|a, b| a.measured.total_cmp(&b.measured)); // stable: of equals the first stays
+    let mut before = 0.0;
+    entries.retain(|entry| {
+        let farther = entry.measured > before && entry.measured.is_finite();
+        before = if farther { entry.measured } else { before };
+        farther
+    });
+    entries
+}
+
 /// The maps of a set, laid out to be looked up step by step without allocating.
 #[derive(Debug, Clone)]
 pub struct Maps {
@@ -101,7 +119,7 @@ impl Maps {
         Maps {
             swims,
             left: map(&set.turns, Controller::clone),
-            right: map(&set.turns, |turn| turn.mirrored().half_a_beat_later()),
+            right: map(&set.turns, |turn| turn.mirrored().later(PI)),
             straight: slowest.clone(),
             turning: slowest.clone(),
         }

@@ -80,6 +80,11 @@ impl Chains {
         self.told > self.schedule.steps
     }
 
+    /// The best state of each chain, lesson by lesson; none before the first generation.
+    pub(crate) fn best(&self) -> impl Iterator<Item = &State> {
+        self.chains.iter().map(|chain| &chain.best)
+    }
+
     /// The candidates of the next step, one a chain; nobody when all steps are made.
     pub(crate) fn ask(&mut self) -> Vec<Individual> {
         if self.over() {

@@ -93,7 +93,7 @@ fn a_symmetrised_controller_is_its_own_mirror_image_half_a_beat_later() {
 fn a_mirror_image_of_a_mirror_image_and_two_half_beats_change_nothing() {
     let controller = random(2, 5);
     assert_eq!(controller.mirrored().mirrored(), controller);
-    let round = random(1, 6).half_a_beat_later().half_a_beat_later();
+    let round = random(1, 6).later(PI).later(PI);
     for (found, expected) in round.phase.iter().zip(&random(1, 6).phase) {
         assert!((found - expected).abs() < 1e-12);
     }

@@ -64,7 +64,7 @@ fn right_turns_mirror_left_ones_and_the_beat_goes_on() {
     let left = maps.controller(1.0, 0.5).clone();
     let right = maps.controller(1.0, -0.5);
     near(&right.mirrored().offset, &left.offset);
-    let later = right.mirrored().half_a_beat_later();
+    let later = right.mirrored().later(PI);
     for (found, expected) in later.phase.iter().zip(&left.phase) {
         assert!(wrap_angle(found - expected).abs() < 1e-12);
     }
@@ -79,6 +79,26 @@ fn right_turns_mirror_left_ones_and_the_beat_goes_on() {
 
 fn near_enough(a: &[f64], b: &[f64]) {
     assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6), "{a:?} {b:?}");
+}
+
+///
+#[test]
+fn what_was_measured_is_sorted_and_brought_into_step() {
+    let ControllerSet { swims, turns } = set();
+    let late = |entry: &Calibrated| Calibrated { controller: entry.controller.later(2.0), ..entry.clone() };
+    let backward = Calibrated { name: "backward".to_owned(), measured: -0.01, ..swims[0].clone() };
+    let no_faster = Calibrated { name: "twin".to_owned(), ..swims[1].clone() };
+    let unsorted = vec![swims[1].clone(), no_faster, late(&swims[0]), backward];
+    let found = ControllerSet::assembled(unsorted, turns.iter().rev().map(late).collect()).unwrap();
+    found.check().unwrap();
+    for (found, expected) in found.swims.iter().chain(&found.turns).zip(swims.iter().chain(&turns)) {
+        assert_eq!((&found.name, found.measured), (&expected.name, expected.measured));
+        for (found, expected) in found.controller.phase.iter().zip(&expected.controller.phase) {
+            assert!(wrap_angle(found - expected).abs() < 1e-12);
+        }
+    }
+    assert_eq!(ControllerSet::assembled(swims, vec![]), None);
+    assert_eq!(ControllerSet::assembled(vec![], turns), None);
 }
 
 ///

@@ -1,0 +1,182 @@
+//! From practised states to controllers, and from raced controllers to sets (A-41..A-43). It lives nobody.
+
+use super::{Lesson, Teaches};
+use crate::annealing::State;
+use crate::checkpoint::{GenotypeBytes, RestoreError, require};
+use crate::{Individual, Parent, Place};
+use creatures::fish::{Calibrated, Controller, ControllerSet, Genotype, abstracted};
+use creatures::{Outcome, Status};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+/// A controller on its way to the race.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Racer {
+    pub(super) lesson: u32,
+    chain: u32,
+    gain: f64,
+    controller: Controller,
+    /// The state that it was abstracted from.
+    parent: Place,
+}
+
+/// A controller that was raced.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Raced {
+    lesson: u32,
+    chain: u32,
+    gain: f64,
+    place: Place,
+    /// Of the controller; turned over if the lesson's turn came out to the right.
+    genotype: GenotypeBytes,
+    /// L by time, or rad by time.
+    measured: f64,
+}
+
+/// All that was raced and got to its end, in order of place.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Repertoire {
+    raced: Vec<(Raced, Controller)>,
+}
+
+impl Racer {
+    /// Those of a chain's best state, one for each gain; none where nothing swings (AF-20). Controllers of a
+    /// straight swim are symmetrised.
+    pub(super) fn of_chain(
+        best: &State,
+        lesson: u32,
+        chain: u32,
+        straight: bool,
+        oscillations: usize,
+        gains: &[f64],
+    ) -> Vec<Racer> {
+        let raw = abstracted(&best.samples, oscillations);
+        if raw.oscillations() < oscillations || best.value == f64::NEG_INFINITY {
+            return Vec::new();
+        }
+        let controller = if straight { raw.symmetrised() } else { raw };
+        let racer = |&gain: &f64| {
+            let controller = controller.amplified(gain);
+            Racer { lesson, chain, gain, controller, parent: best.place }
+        };
+        gains.iter().map(racer).collect()
+    }
+
+    pub(super) fn individual(&self) -> Individual {
+        Individual {
+            genotype: Genotype::Controller(self.controller.clone()).encode(),
+            parents: vec![Parent { place: self.parent, role: "only".to_owned() }],
+            operator: "abstract".to_owned(),
+            traits: json!({
+                "lesson": self.lesson,
+                "chain": self.chain,
+                "gain": self.gain,
+                "frequency": self.controller.frequency[0],
+            }),
+            inherits: None,
+        }
+    }
+
+    /// What it was seen to do; none of one that did not get to the end.
+    pub(super) fn measured(
+        self,
+        outcome: &Outcome,
+        turns: bool,
+        place: Place,
+    ) -> Option<(Raced, Controller)> {
+        let name = if turns { "turn_rate" } else { "speed" };
+        let measured = outcome.measures.iter().find(|(key, _)| key == name)?.1;
+        let (measured, controller) = match measured < 0.0 {
+            true => (-measured, self.controller.mirrored()),
+            false => (measured, self.controller),
+        };
+        let genotype = GenotypeBytes(Genotype::Controller(controller.clone()).encode());
+        let Racer { lesson, chain, gain, .. } = self;
+        let raced = Raced { lesson, chain, gain, place, genotype, measured };
+        (outcome.status == Status::Completed).then_some((raced, controller))
+    }
+}
+
+impl Repertoire {
+    pub(super) fn new(raced: Vec<(Raced, Controller)>) -> Repertoire {
+        Repertoire { raced }
+    }
+
+    /// From a checkpoint.
+    ///
+    /// # Errors
+    /// A controller of no lesson, or none.
+    pub(super) fn read(raced: Vec<Raced>, lessons: &[Lesson]) -> Result<Repertoire, RestoreError> {
+        let read = |(index, raced): (usize, Raced)| {
+            require((raced.lesson as usize) < lessons.len(), "it has a controller of no lesson")?;
+            let genotype = Genotype::decode(&raced.genotype.0)
+                .map_err(|source| RestoreError::Genotype { index, source })?;
+            match genotype {
+                Genotype::Controller(controller) => Ok((raced, controller)),
+                _ => Err(RestoreError::Unfit("it holds another kind of genotype")),
+            }
+        };
+        let raced = raced.into_iter().enumerate().map(read).collect::<Result<_, _>>()?;
+        Ok(Repertoire { raced })
+    }
+
+    pub(super) fn written(&self) -> Vec<Raced> {
+        self.raced.iter().map(|(raced, _)| raced.clone()).collect()
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.raced.len()
+    }
+
+    /// A set for each choice of a chain for every lesson; none where nothing swims or nothing turns.
+    pub(super) fn sets(&self, choices: &[Vec<u32>], lessons: &[Lesson]) -> Vec<Individual> {
+        choices.iter().filter_map(|choice| self.set(choice, lessons)).collect()
+    }
+
+    fn set(&self, choice: &[u32], lessons: &[Lesson]) -> Option<Individual> {
+        let of = |teaches: Teaches| {
+            self.raced.iter().filter(move |(raced, _)| {
+                let lesson = raced.lesson as usize;
+                lessons[lesson].teaches == teaches && choice[lesson] == raced.chain
+            })
+        };
+        let calibrated = |(raced, controller): &(Raced, Controller)| Calibrated {
+            name: raced.name(),
+            controller: controller.clone(),
+            measured: raced.measured,
+        };
+        let set = ControllerSet::assembled(
+            of(Teaches::Swim).map(calibrated).collect(),
+            of(Teaches::Turn).map(calibrated).collect(),
+        )?;
+        let parents = [(&set.swims, "swim"), (&set.turns, "turn")].map(|(map, role)| {
+            let parent = |entry: &Calibrated| {
+                let (raced, _) = self.raced.iter().find(|(raced, _)| raced.name() == entry.name)?;
+                Some(Parent { place: raced.place, role: role.to_owned() })
+            };
+            map.iter().filter_map(parent).collect::<Vec<_>>()
+        });
+        let fastest = |map: &[Calibrated]| map.last().map_or(Value::Null, |entry| json!(entry.measured));
+        let traits = json!({
+            "chains": choice.iter().map(u32::to_string).collect::<Vec<_>>().join("+"),
+            "swims": set.swims.len(),
+            "turns": set.turns.len(),
+            "fastest": fastest(&set.swims),
+            "sharpest": fastest(&set.turns),
+        });
+        Some(Individual {
+            genotype: Genotype::ControllerSet(set).encode(),
+            parents: parents.concat(),
+            operator: "assemble".to_owned(),
+            traits,
+            inherits: None,
+        })
+    }
+}
+
+impl Raced {
+    /// Its name in a set.
+    fn name(&self) -> String {
+        format!("lesson {} chain {} gain {}", self.lesson, self.chain, self.gain)
+    }
+}
