@@ -7,19 +7,26 @@
 //! What it learns: [`samples`] practised for an [`objective`], [`abstraction`] to a [`controller`], a
 //! [`controller_set`] that steers by maps; [`genotype`] is what of these is varied, and
 //! [`task`] what it is put to.
+//!
+//! How it lives: [`habits`] are what it is born with, [`mind`] what it feels and means to do, [`perception`] what
+//! it notices, [`behaviour`] what it does, in a [`world`] with others.
 
 pub mod abstraction;
+pub mod behaviour;
 pub mod body;
 pub mod chase;
 pub mod controller;
 pub mod controller_set;
 pub mod fins;
 pub mod genotype;
+pub mod habits;
 pub mod hydrodynamics;
 pub mod lattice;
 pub mod mechanics;
+pub mod mind;
 pub mod motor;
 pub mod objective;
+pub mod perception;
 pub mod posture;
 pub mod practice;
 pub mod samples;
@@ -27,6 +34,7 @@ pub mod skyline;
 pub mod swimmer;
 pub mod task;
 pub mod turn;
+pub mod world;
 
 pub use abstraction::abstracted;
 pub use body::Body;
@@ -41,6 +49,7 @@ pub use posture::Posture;
 pub use samples::{Encoding, Interpolation, Samples};
 pub use swimmer::Swimmer;
 pub use task::FishTask;
+pub use world::WorldTask;
 
 use crate::random::stream;
 use crate::{Proof, SpecError, System, Task};
@@ -59,6 +68,9 @@ impl System for Fish {
     }
 
     fn resolve(&self, task: serde_json::Value) -> Result<serde_json::Value, SpecError> {
+        if WorldTask::is(&task) {
+            return Ok(serde_json::to_value(WorldTask::read(task)?).expect("a plain struct serialises"));
+        }
         let task = FishTask::read(task)?;
         let resolved = serde_json::to_value(&task).expect("a plain struct serialises");
         task.prepare()?;
@@ -67,13 +79,17 @@ impl System for Fish {
 
     fn task(&self, resolved: &str) -> Result<Box<dyn Task>, SpecError> {
         let value = serde_json::from_str(resolved).map_err(|e| SpecError::new("", e.to_string()))?;
+        if WorldTask::is(&value) {
+            return Ok(Box::new(WorldTask::read(value)?));
+        }
         Ok(Box::new(FishTask::read(value)?.prepare()?))
     }
 
     /// Body lengths toward the target of a drill, along the course of a race, or the fitness so far at the buoys
-    ///
-    fn interim_measure(&self, _: &serde_json::Value) -> &'static str {
-        "progress"
+    /// . In a
+    /// world, the fitness that it can reach at most.
+    fn interim_measure(&self, task: &serde_json::Value) -> &'static str {
+        if WorldTask::is(task) { "fitness" } else { "progress" }
     }
 
     /// Practice of both encodings and interpolations, straight, turning and for every criterion, in two sizes; a

@@ -3,7 +3,7 @@
 
 mod buoys;
 mod drill;
-mod life;
+pub(in crate::fish) mod life;
 mod race;
 
 pub use buoys::Buoys;

@@ -5,9 +5,9 @@ use crate::fish::mechanics::Fault;
 use crate::{Cull, Interim, Outcome, Reason, Status, Verdict};
 
 /// Watches one evaluation.
-pub(super) struct Watch<'a> {
+pub(in crate::fish) struct Watch<'a> {
     /// Steps done.
-    pub(super) steps: u32,
+    pub(in crate::fish) steps: u32,
     cull: Option<(&'a Cull, u32)>,
     on_interim: &'a mut dyn FnMut(Interim),
     interim: Option<Interim>,
@@ -15,7 +15,7 @@ pub(super) struct Watch<'a> {
 
 /// How an evaluation ended before its last step.
 #[derive(Debug)]
-pub(super) enum End {
+pub(in crate::fish) enum End {
     Culled,
     Diverged(Fault),
 }
@@ -28,7 +28,7 @@ impl From<Fault> for End {
 
 impl<'a> Watch<'a> {
     /// Of an evaluation of so many steps.
-    pub(super) fn new(
+    pub(in crate::fish) fn new(
         steps: u32,
         cull: Option<&'a Cull>,
         on_interim: &'a mut dyn FnMut(Interim),
@@ -41,7 +41,7 @@ impl<'a> Watch<'a> {
     ///
     /// # Errors
     /// The creature is culled.
-    pub(super) fn count(&mut self, measure: impl FnOnce() -> f64) -> Result<(), End> {
+    pub(in crate::fish) fn count(&mut self, measure: impl FnOnce() -> f64) -> Result<(), End> {
         self.steps += 1;
         let Some((cull, _)) = self.cull.filter(|&(_, step)| step == self.steps) else {
             return Ok(());
@@ -54,7 +54,7 @@ impl<'a> Watch<'a> {
 
     /// The outcome of an evaluation. What has gone out of bounds is named with its step; measures that are no
     /// numbers then are left out (AF-7, AF-8).
-    pub(super) fn outcome<const N: usize>(
+    pub(in crate::fish) fn outcome<const N: usize>(
         &self,
         end: Result<(), End>,
         fitness: f64,

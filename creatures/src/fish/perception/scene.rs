@@ -1,0 +1,103 @@
+//! All there is to perceive at one instant, and one fish's way into it. It is the same for all fishes of a
+//! step, whichever is asked first.
+
+use super::{Figure, Percept, brightness, vision};
+use crate::fish::habits::Habits;
+use crate::fish::mind::Target;
+use crate::fish::world::{Climate, FishId, Grid, Obstacle, Particle, ParticleId, Tank};
+use glam::DVec3;
+
+/// The world at an instant.
+#[derive(Debug, Clone, Copy)]
+pub struct Scene<'a> {
+    /// Time units since the start.
+    pub time: f64,
+    /// Its faces are obstacles.
+    pub tank: Tank,
+    /// What stands still.
+    pub obstacles: &'a [Obstacle],
+    /// Light and warmth.
+    pub climate: &'a Climate,
+    /// (fishes), the dead ones too.
+    pub figures: &'a [Figure],
+    /// (particles), the absent ones too.
+    pub particles: &'a [Particle],
+    /// The living fishes by place.
+    pub grid: &'a Grid,
+    /// No fish is faster, length by time.
+    pub speed_max: f64,
+    /// No fish is larger, S.
+    pub size_max: f64,
+}
+
+impl<'a> Scene<'a> {
+    /// The living fishes, ascending.
+    pub fn living(&self) -> impl Iterator<Item = &'a Figure> + use<'a> {
+        self.figures.iter().filter(|figure| figure.alive)
+    }
+
+    /// Whether a target is there at all.
+    pub fn has(&self, target: Target) -> bool {
+        match target {
+            Target::Fish(id) => self.figures[id.index()].alive,
+            Target::Particle(id) => self.particles[id.index()].present,
+        }
+    }
+}
+
+/// One fish's senses.
+#[derive(Debug, Clone, Copy)]
+pub struct Senses<'a> {
+    /// What there is.
+    pub scene: &'a Scene<'a>,
+    /// Who perceives it.
+    pub me: &'a Figure,
+    /// What it is like.
+    pub habits: &'a Habits,
+}
+
+impl<'a> Senses<'a> {
+    /// Temperature at b.
+    pub fn temperature(&self) -> f64 {
+        self.scene.climate.temperature(self.me.center)
+    }
+
+    /// Mean intensity of what the eye gets.
+    pub fn brightness(&self) -> f64 {
+        brightness::mean(self)
+    }
+
+    /// Whether light and temperature are what the fish likes.
+    pub fn comfortable(&self) -> bool {
+        let Habits { brightness_min, brightness_max, temperature_min, temperature_max, .. } = *self.habits;
+        (temperature_min..=temperature_max).contains(&self.temperature())
+            && (brightness_min..=brightness_max).contains(&self.brightness())
+    }
+
+    /// Another fish, if it is seen.
+    pub fn fish(&self, id: FishId) -> Option<Percept<'a>> {
+        let figure = &self.scene.figures[id.index()];
+        let seen = id != self.me.id && figure.alive && vision::sees_fish(self, figure);
+        seen.then(|| Percept::new(self.me, figure))
+    }
+
+    /// The fishes that are seen among those for whom something holds, ascending.
+    pub fn fishes(&self, which: impl Fn(&Figure) -> bool) -> impl Iterator<Item = Percept<'a>> {
+        let candidates = self.scene.living().filter(move |figure| which(figure));
+        candidates.filter_map(|figure| self.fish(figure.id))
+    }
+
+    /// Where a particle is, if it is seen.
+    pub fn particle(&self, id: ParticleId) -> Option<DVec3> {
+        let particle = &self.scene.particles[id.index()];
+        (particle.present && vision::sees_point(self, particle.position, None)).then_some(particle.position)
+    }
+
+    /// Where a target is, if it is seen: b of a fish.
+    pub fn target(&self, target: Target) -> Option<DVec3> {
+        match target {
+            Target::Fish(id) => self.fish(id).map(|percept| percept.figure.center),
+            Target::Particle(id) => self.particle(id),
+        }
+    }
+}
