@@ -5,8 +5,8 @@
 //! in water, [`chase`] for what makes it get somewhere.
 //!
 //! What it learns: [`samples`] practised for an [`objective`], [`abstraction`] to a [`controller`], a
-//! [`controller_set`] that steers by maps; [`genotype`] is what of these is varied, and
-//! [`task`] what it is put to.
+//! [`controller_set`] that steers by maps; [`genotype`] is what of these is varied,
+//! [`variation`] how controllers are, and [`task`] what they are put to.
 
 pub mod abstraction;
 pub mod body;
@@ -27,6 +27,7 @@ pub mod skyline;
 pub mod swimmer;
 pub mod task;
 pub mod turn;
+pub mod variation;
 
 pub use abstraction::abstracted;
 pub use body::Body;
