@@ -1,6 +1,10 @@
 //! A world is built once and stepped for ever: no step allocates, shown by an allocator that counts what each
 //! thread asks for, since the test harness allocates on its own.
 
+use creatures::fish::samples::{COUNT, STEPS};
+use creatures::fish::{
+    Body as FishBody, Calibrated, Chase, ControllerSet, Encoding, Samples, Still, Swimmer, abstracted,
+};
 use creatures::flyer::phenotype::Phenotype;
 use creatures::flyer::{self, Brain, FlyerTask, skeleton, variation};
 use creatures::physics::articulated::{Body, Ground, Joint, JointKind, ModelBuilder, Motor, Settings};
@@ -8,6 +12,7 @@ use creatures::random::stream;
 use glam::DVec3;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::sync::Arc;
 
 struct Counting;
 
@@ -124,5 +129,27 @@ fn a_flyers_step_in_the_air_allocates_nothing() {
         }
         assert_eq!(ALLOCATIONS.get() - before, 0);
         assert!(fastest > 1.0, "it falls");
+    }
+}
+
+#[test]
+fn a_fishs_step_allocates_nothing_whether_hand_made_or_learned() {
+    let stream = &mut stream(3, [0, 0, 0], "allocation test");
+    let controller = abstracted(&Samples::random(0, Encoding::Tied, COUNT, STEPS, stream), 1);
+    let entry =
+        |name: &str, measured| Calibrated { name: name.to_owned(), controller: controller.clone(), measured };
+    let set = ControllerSet { swims: vec![entry("swim", 0.05)], turns: vec![entry("turn", 0.02)] };
+    let built = ALLOCATIONS.get();
+    let fish = Swimmer::new(Arc::new(FishBody::published(1.0)), DVec3::ZERO, 0.0);
+    assert!(ALLOCATIONS.get() > built, "the allocator counts");
+    for mut fish in [fish.clone(), fish.taught(&set)] {
+        let mut chase = Chase::default();
+        let (start, before) = (fish.center_of_mass(), ALLOCATIONS.get());
+        for _ in 0..400 {
+            let command = chase.toward(DVec3::new(-40.0, 30.0, 10.0), 1.0, &fish.posture(), 1.0);
+            fish.step(&command, &Still, &[]).unwrap();
+        }
+        assert_eq!(ALLOCATIONS.get() - before, 0);
+        assert!((fish.center_of_mass() - start).length() > 0.1, "the fish is alive");
     }
 }

@@ -14,7 +14,9 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::{Map, Value, json};
 use std::fmt::Debug;
 
+mod fish;
 mod flyer;
+mod habits;
 
 /// Its name in experiment files.
 pub const KIND: &str = "generational";

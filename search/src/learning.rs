@@ -5,7 +5,7 @@
 
 mod repertoire;
 
-use crate::annealing::{Chains, Cooling, Schedule, Standing, usual_temperature};
+use crate::annealing::{Chains, Cooling, Schedule, Standing, State, usual_temperature};
 use crate::checkpoint::{self, RestoreError, require};
 use crate::registry::Plan;
 use crate::settings::{self, check, read_joined, within, write_joined};
@@ -13,7 +13,7 @@ use crate::{Individual, Place, Record, Search};
 use creatures::fish::controller::OSCILLATIONS_MAX;
 use creatures::fish::{Criterion, FishTask};
 use creatures::{Outcome, SpecError};
-use repertoire::{Raced, Racer, Repertoire};
+use repertoire::{Raced, Racer, Repertoire, swim_of};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
@@ -58,7 +58,8 @@ pub struct Abstraction {
     temperatures: Vec<Cooling>,
     /// M, oscillations of a controller.
     pub oscillations: u32,
-    /// What the amplitudes of every controller are taken times, each a controller of its own.
+    /// What the amplitudes of every swim and the bend of every turn are taken times, each a controller of its own
+    ///
     pub gains: Vec<f64>,
 }
 
@@ -183,32 +184,31 @@ struct Learning {
 }
 
 impl Learning {
-    /// The controllers of every chain's best state, at every gain, as they are raced.
+    /// The controllers of every chain's best state, at every gain, as they are raced. Turns bend the swim that
+    /// the chain of the same number learned in the first lesson of one.
     fn racers(&self) -> Vec<Racer> {
         let Abstraction { oscillations, gains, .. } = &self.settings.abstraction;
-        let chains = self.settings.schedule.chains;
-        let racers = (0..).zip(self.chains.best()).flat_map(|(index, best)| {
-            let lesson = index / chains;
-            let straight = self.settings.lessons[lesson as usize].teaches == Teaches::Swim;
-            Racer::of_chain(best, lesson, index % chains, straight, *oscillations as usize, gains)
-        });
-        racers.collect()
-    }
-
-    /// Which chain of each lesson a set takes: for each chain number that of all lessons, then the best of each.
-    fn choices(&self) -> Vec<Vec<u32>> {
-        let chains = self.settings.schedule.chains;
-        let values: Vec<f64> = self.chains.best().map(|best| best.value).collect();
-        let best = values
-            .chunks_exact(chains as usize)
-            .map(|lesson| crate::selection::best(lesson).expect("a lesson has a chain") as u32);
-        let mut choices: Vec<Vec<u32>> =
-            (0..chains).map(|chain| vec![chain; self.settings.lessons.len()]).collect();
-        let best: Vec<u32> = best.collect();
-        if !choices.contains(&best) {
-            choices.push(best);
-        }
-        choices
+        let (chains, lessons) = (self.settings.schedule.chains, &self.settings.lessons);
+        let oscillations = *oscillations as usize;
+        let best: Vec<&State> = self.chains.best().collect();
+        let swims: Vec<_> = best.iter().map(|state| swim_of(state, oscillations)).collect();
+        let first = lessons.iter().position(|lesson| lesson.teaches == Teaches::Swim);
+        let first = first.expect("a curriculum has a lesson of a swim");
+        let racers_of = |index: usize| {
+            let (lesson, chain) = (index / chains as usize, index % chains as usize);
+            let straight = match lessons[lesson].teaches {
+                Teaches::Swim => index,
+                Teaches::Turn => first * chains as usize + chain,
+            };
+            let (own, straight) = (best[index], (best[straight], swims[straight].as_ref()));
+            let from = [lesson as u32, chain as u32];
+            let racer = move |&gain: &f64| match lessons[lesson].teaches {
+                Teaches::Swim => Some(Racer::swim(own, straight.1?, from, gain)),
+                Teaches::Turn => Some(Racer::turn(own, oscillations, (straight.0, straight.1?), from, gain)),
+            };
+            gains.iter().filter_map(racer)
+        };
+        (0..best.len()).flat_map(racers_of).collect()
     }
 
     fn race_place(&self, index: u32) -> Place {
@@ -243,7 +243,7 @@ impl Search for Learning {
                 individuals
             }
             Some(_) if self.tried => Vec::new(),
-            Some(raced) => raced.sets(&self.choices(), &self.settings.lessons),
+            Some(raced) => raced.sets(self.settings.schedule.chains, &self.settings.lessons),
         }
     }
 

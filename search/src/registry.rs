@@ -4,6 +4,7 @@
 use crate::checkpoint::RestoreError;
 use crate::{Search, annealing, generational, grn, learning, neat, probe};
 use creatures::SpecError;
+use creatures::fish::{self, FishTask, WorldTask, habits};
 use creatures::flyer;
 use serde_json::Value;
 use std::fmt;
@@ -45,13 +46,14 @@ pub struct Kind {
 }
 
 /// Every kind.
-pub static KINDS: [Kind; 6] = [
+pub static KINDS: [Kind; 7] = [
     Kind {
         name: annealing::KIND,
         system: "fish",
         runs: 1,
         read: |table, task| Ok(Box::new(annealing::Settings::read(table, task)?)),
     },
+    Kind { name: generational::KIND, system: "fish", runs: 1, read: read_fishes },
     Kind {
         name: generational::KIND,
         system: "flyer",
@@ -84,6 +86,28 @@ pub static KINDS: [Kind; 6] = [
     },
 ];
 
+/// Populations of what a fish's task takes.
+fn read_fishes(table: Value, task: &Value) -> Result<Box<dyn Plan>, SpecError> {
+    if let Some(scenario) = WorldTask::scenario_of(task) {
+        let given = table.pointer("/variation/focus").cloned();
+        let mut settings = generational::Settings::<habits::variation::Settings>::read(table)?;
+        if given.is_some() && settings.variation.focus != scenario {
+            return Err(SpecError::new("variation.focus", "is not whose habits the task's scenario tests"));
+        }
+        settings.variation.focus = scenario;
+        return Ok(Box::new(settings));
+    }
+    match FishTask::read(task.clone())? {
+        FishTask::Drill(_) | FishTask::Race(_) => {
+            Ok(Box::new(generational::Settings::<fish::variation::Variation>::read(table)?))
+        }
+        FishTask::Buoys(_) | FishTask::Learning(_) => Err(SpecError::new(
+            "kind",
+            "`generational` needs a task of controllers or of habits, not of sets",
+        )),
+    }
+}
+
 /// The kind that a `[search]` table names.
 ///
 /// # Errors
@@ -103,7 +127,9 @@ pub fn kind(table: &Value, system: &str) -> Result<&'static Kind, SpecError> {
             return Err(SpecError::new("kind", problem));
         }
     };
-    match KINDS.iter().find(|kind| kind.name == name) {
+    let mut named = KINDS.iter().filter(|kind| kind.name == name).peekable();
+    let first = named.peek().copied();
+    match named.find(|kind| kind.system == system).or(first) {
         Some(kind) if kind.system == system => Ok(kind),
         Some(kind) => {
             let problem = format!("`{name}` fits system `{}`; system `{system}` has {fitting}", kind.system);

@@ -62,6 +62,50 @@ generations = {generations}
     )
 }
 
+/// Fishes that anneal a straight swim of a third of the published time.
+pub fn fishes(seed: u64, chains: u32, steps: u32) -> String {
+    format!(
+        r#"
+name = "fishes"
+system = "fish"
+seed = {seed}
+runs = 1
+
+[task]
+scenario = "drill"
+lesson.steps = 60
+
+[search]
+kind = "anneal"
+chains = {chains}
+steps = {steps}
+"#
+    )
+}
+
+/// Fishes that go through a whole curriculum: practice, a race and the buoys.
+pub fn curriculum(seed: u64, chains: u32, steps: u32) -> String {
+    format!(
+        r#"
+name = "curriculum"
+system = "fish"
+seed = {seed}
+runs = 1
+
+[task]
+scenario = "learning"
+lessons = [{{ steps = 60 }}, {{ steps = 60, approach = 100, objective.criterion.heading_degrees = 30 }}]
+race.steps = 120
+buoys.steps = 120
+
+[search]
+kind = "learning"
+chains = {chains}
+steps = {steps}
+"#
+    )
+}
+
 /// The same in six runs, culled a quarter of the way: a fifth of those that stand worst against the previous generation.
 pub fn culled(text: &str) -> String {
     let text = text.replace("runs = 1", "runs = 6");

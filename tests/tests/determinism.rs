@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use creatures::random::stream;
-use hatchery_tests::samples::{culled, flyers, probe, walkers};
+use hatchery_tests::samples::{culled, curriculum, fishes, flyers, probe, walkers};
 use hatchery_tests::{Hatchery, command, local};
 
 #[test]
@@ -16,6 +16,8 @@ fn a_lineage_is_the_same_for_any_number_of_workers() {
         walkers("runner", "grn", 3, 8, 3),
         walkers("arm", "neat", 4, 8, 3),
         culled(&flyers(10, 12, 4)),
+        fishes(11, 4, 30),
+        curriculum(12, 2, 10),
         probe(5, 300, 5, 0),
     ];
     let expected: Vec<String> = experiments.iter().map(|text| local::lineage(text)).collect();
@@ -67,6 +69,25 @@ fn a_coordinator_killed_ten_times_goes_on_to_the_same_lineage() {
     assert_eq!(hatchery.client().hash(id), local::lineage(&text));
     for name in ["w1", "w2"] {
         assert!(hatchery.worker(name).ended().is_none(), "{name} outlives every coordinator");
+    }
+}
+
+/// Fishes T-25: a chain goes on from its last step, and a curriculum from its phase.
+#[test]
+fn chains_go_on_after_their_coordinator_is_killed() {
+    let texts = [fishes(13, 4, 300), curriculum(14, 2, 150)];
+    let mut hatchery = Hatchery::with_workers(4);
+    hatchery.wait_attached(4);
+    let ids = texts.each_ref().map(|text| hatchery.submit(text));
+    let mut progress = stream(13, [0, 0, 0], "kills");
+    for _ in 0..3 {
+        advance(&hatchery, ids[0], progress.within(60, 180) as i64);
+        hatchery.kill_coordinator();
+        hatchery.restart_coordinator();
+    }
+    for (id, text) in ids.into_iter().zip(&texts) {
+        hatchery.client().wait(id);
+        assert_eq!(hatchery.client().hash(id), local::lineage(text));
     }
 }
 

@@ -19,6 +19,12 @@ fn flyers_give_the_golden_lineage() {
     compare("flyers", 2);
 }
 
+/// Practice with tied and with full samples.
+#[test]
+fn fishes_give_the_golden_lineage() {
+    compare("fishes", 2);
+}
+
 /// Runs `golden/NAME.toml`, a matrix called `golden`, and compares the hash of each cell with `golden/NAME.hashes`.
 fn compare(name: &str, cells: usize) {
     let golden = workspace().join("tests/golden");

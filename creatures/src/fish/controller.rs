@@ -26,6 +26,9 @@ pub struct Controller {
     pub phase: Vec<f64>,
 }
 
+/// Left is positive, in the order of a segment's corners.
+const SIDES: [f64; 4] = [1.0, -1.0, -1.0, 1.0];
+
 /// θ of every oscillation, rad.
 pub type Phases = [f64; OSCILLATIONS_MAX];
 
@@ -107,6 +110,21 @@ impl Controller {
         }
     }
 
+    /// This straight swim bent as a turn is: per segment the left's mean offset of the turn exceeds the right's by
+    /// some `2 d`, and here the left gets `gain · d` more and the right as much less.
+    #[must_use]
+    pub fn bent(&self, turn: &Controller, gain: f64) -> Controller {
+        let mut bent = self.clone();
+        for (segment, offsets) in bent.offset.chunks_exact_mut(4).enumerate() {
+            let sides = turn.offset[4 * segment..4 * segment + 4].iter().zip(SIDES);
+            let d = sides.map(|(offset, side)| side * offset).sum::<f64>() / 4.0;
+            for (offset, side) in offsets.iter_mut().zip(SIDES) {
+                *offset = (*offset + side * gain * d).clamp(0.0, 1.0);
+            }
+        }
+        bent
+    }
+
     /// The same controller later, by an angle of its first oscillation, rad.
     #[must_use]
     pub fn later(&self, angle: f64) -> Controller {
@@ -138,7 +156,6 @@ impl Controller {
     /// −z, and all four the mean offset.
     #[must_use]
     pub fn symmetrised(&self) -> Controller {
-        const SIDES: [f64; 4] = [1.0, -1.0, -1.0, 1.0];
         let m = self.oscillations();
         let mut straight = self.clone();
         for segment in 0..MUSCLES / 4 {

@@ -27,7 +27,7 @@ impl<F: Fn(DVec3) -> DVec3> Water for F {
 }
 
 /// A face that pushes water.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pressed {
     /// As the face has them.
     pub corners: [usize; 3],

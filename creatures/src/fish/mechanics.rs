@@ -46,8 +46,10 @@ pub struct Mechanics {
     right: Vec<f64>,
     /// (nodes), Δx, the way of a node in this step.
     increments: Vec<DVec3>,
-    /// Faces that push water in this step.
+    /// (faces), of which the first so many push water in this step; laid out in full, so that a clone of it need
+    /// not grow.
     pressed: Vec<Pressed>,
+    pressed_count: usize,
     /// A node faster than this ends the evaluation, length by time.
     speed_max: f64,
     /// Linearisations a step.
@@ -70,7 +72,8 @@ impl Mechanics {
             matrix,
             right: vec![0.0; 3 * nodes],
             increments: vec![DVec3::ZERO; nodes],
-            pressed: Vec::with_capacity(lattice.faces.len()),
+            pressed: vec![Pressed::default(); lattice.faces.len()],
+            pressed_count: 0,
             speed_max,
             newton,
         }
@@ -91,14 +94,13 @@ impl Mechanics {
         forces: &[DVec3],
         water: &impl Water,
     ) -> Result<(), Fault> {
-        self.pressed.clear();
-        self.pressed.extend(lattice.faces.iter().filter_map(|face| pressed(face, motion, water)));
+        self.press(lattice, motion, water);
         self.increments.fill(DVec3::ZERO);
         for _ in 0..self.newton {
             self.matrix.clear();
             self.add_inertia(lattice, motion, forces);
             self.add_springs(lattice, motion, rest_lengths)?;
-            self.add_pressure(lattice);
+            self.add_pressure();
             self.matrix.factorise().map_err(|BadPivot(index)| Fault::Pivot(index))?;
             self.matrix.solve(&mut self.right);
             for (increment, solved) in self.increments.iter_mut().zip(self.right.chunks_exact(3)) {
@@ -112,6 +114,17 @@ impl Mechanics {
             *position += way;
         }
         self.check(motion)
+    }
+
+    /// Finds the faces that push water, as the step finds them.
+    fn press(&mut self, lattice: &Lattice, motion: &Motion, water: &impl Water) {
+        self.pressed_count = 0;
+        for face in &lattice.faces {
+            if let Some(face) = pressed(face, motion, water) {
+                self.pressed[self.pressed_count] = face;
+                self.pressed_count += 1;
+            }
+        }
     }
 
     /// M/h² + ρ/h on the left, M v/h − (M/h² + ρ/h) Δx + f on the right.
@@ -156,10 +169,8 @@ impl Mechanics {
     }
 
     /// G on the left, g − G Δx on the right.
-    fn add_pressure(&mut self, lattice: &Lattice) {
-        debug_assert!(self.pressed.len() <= lattice.faces.len(), "no more faces push than there are");
-        for index in 0..self.pressed.len() {
-            let face = self.pressed[index];
+    fn add_pressure(&mut self) {
+        for face in &self.pressed[..self.pressed_count] {
             let block = outer(face.normal, face.area * (1.0 / (9.0 * TIME_STEP)));
             let [a, b, c] = face.corners;
             for corner in face.corners {

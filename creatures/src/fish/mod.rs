@@ -5,8 +5,8 @@
 //! in water, [`chase`] for what makes it get somewhere.
 //!
 //! What it learns: [`samples`] practised for an [`objective`], [`abstraction`] to a [`controller`], a
-//! [`controller_set`] that steers by maps; [`genotype`] is what of these is varied, and
-//! [`task`] what it is put to.
+//! [`controller_set`] that steers by maps; [`genotype`] is what of these is varied,
+//! [`variation`] how controllers are, and [`task`] what they are put to.
 //!
 //! How it lives: [`habits`] are what it is born with, [`mind`] what it feels and means to do, [`perception`] what
 //! it notices, [`behaviour`] what it does, in a [`world`] with others.
@@ -34,6 +34,7 @@ pub mod skyline;
 pub mod swimmer;
 pub mod task;
 pub mod turn;
+pub mod variation;
 pub mod world;
 
 pub use abstraction::abstracted;
@@ -93,7 +94,7 @@ impl System for Fish {
     }
 
     /// Practice of both encodings and interpolations, straight, turning and for every criterion, in two sizes; a
-    /// race of a controller; a set at the buoys, which chases, turns, climbs and rolls.
+    /// race of a controller; a set at the buoys, which chases, turns, climbs and rolls; and the worlds.
     fn proofs(&self) -> Vec<Proof> {
         let samples = |encoding| {
             let samples =
@@ -120,7 +121,9 @@ impl System for Fish {
             (r#"{"scenario":"buoys","course":{"steps":300,"trials":2}}"#.to_owned(), Genotype::ControllerSet(set)),
         ]
         .map(|(task, genotype)| Proof { task, genotype: genotype.encode(), seed: 0 })
-        .to_vec()
+        .into_iter()
+        .chain(world::task::proofs())
+        .collect()
     }
 }
 

@@ -108,7 +108,7 @@ impl FishTask {
     /// # Errors
     /// No scenario or an unknown one, an unknown key, a wrong type, a number out of range.
     pub fn read(mut table: Value) -> Result<FishTask, SpecError> {
-        const SCENARIOS: &str = "one of `drill`, `race`, `buoys`, `learning`";
+        const SCENARIOS: &str = "one of `drill`, `race`, `buoys`, `learning`, `prey`, `predator`, `pacifist`";
         let scenario = table.as_object_mut().and_then(|table| table.remove("scenario"));
         let task = match scenario.as_ref().map(|name| name.as_str().unwrap_or_default()) {
             None => return Err(SpecError::new("scenario", format!("is missing: {SCENARIOS}"))),

@@ -16,8 +16,8 @@ pub(super) struct Racer {
     chain: u32,
     gain: f64,
     controller: Controller,
-    /// The state that it was abstracted from.
-    parent: Place,
+    /// The state that it was abstracted from; of a turn, then that of the swim which it bends.
+    parents: Vec<Parent>,
 }
 
 /// A controller that was raced.
@@ -39,33 +39,40 @@ pub(super) struct Repertoire {
     raced: Vec<(Raced, Controller)>,
 }
 
+/// The straight swim of a chain's best state; none where nothing swings (AF-20).
+pub(super) fn swim_of(best: &State, oscillations: usize) -> Option<Controller> {
+    let raw = abstracted(&best.samples, oscillations);
+    (raw.oscillations() == oscillations && best.value > f64::NEG_INFINITY).then(|| raw.symmetrised())
+}
+
 impl Racer {
-    /// Those of a chain's best state, one for each gain; none where nothing swings (AF-20). Controllers of a
-    /// straight swim are symmetrised.
-    pub(super) fn of_chain(
+    /// The straight swim of a chain's best state, its amplitudes times a gain.
+    pub(super) fn swim(best: &State, swim: &Controller, [lesson, chain]: [u32; 2], gain: f64) -> Racer {
+        let parents = vec![Parent { place: best.place, role: "only".to_owned() }];
+        Racer { lesson, chain, gain, controller: swim.amplified(gain), parents }
+    }
+
+    /// A straight swim bent as a chain's best turn is, times a gain.
+    ///
+    /// The turn's own beat is let go: it is learned under way, where a fish that holds a bend and coasts does as
+    /// well as one that beats, and from rest does not get on at all.
+    pub(super) fn turn(
         best: &State,
-        lesson: u32,
-        chain: u32,
-        straight: bool,
         oscillations: usize,
-        gains: &[f64],
-    ) -> Vec<Racer> {
-        let raw = abstracted(&best.samples, oscillations);
-        if raw.oscillations() < oscillations || best.value == f64::NEG_INFINITY {
-            return Vec::new();
-        }
-        let controller = if straight { raw.symmetrised() } else { raw };
-        let racer = |&gain: &f64| {
-            let controller = controller.amplified(gain);
-            Racer { lesson, chain, gain, controller, parent: best.place }
-        };
-        gains.iter().map(racer).collect()
+        (straight, swim): (&State, &Controller),
+        [lesson, chain]: [u32; 2],
+        gain: f64,
+    ) -> Racer {
+        let controller = swim.bent(&abstracted(&best.samples, oscillations), gain);
+        let parent = |state: &State, role: &str| Parent { place: state.place, role: role.to_owned() };
+        let parents = vec![parent(best, "first"), parent(straight, "second")];
+        Racer { lesson, chain, gain, controller, parents }
     }
 
     pub(super) fn individual(&self) -> Individual {
         Individual {
             genotype: Genotype::Controller(self.controller.clone()).encode(),
-            parents: vec![Parent { place: self.parent, role: "only".to_owned() }],
+            parents: self.parents.clone(),
             operator: "abstract".to_owned(),
             traits: json!({
                 "lesson": self.lesson,
@@ -128,16 +135,15 @@ impl Repertoire {
         self.raced.len()
     }
 
-    /// A set for each choice of a chain for every lesson; none where nothing swims or nothing turns.
-    pub(super) fn sets(&self, choices: &[Vec<u32>], lessons: &[Lesson]) -> Vec<Individual> {
-        choices.iter().filter_map(|choice| self.set(choice, lessons)).collect()
+    /// A set for each chain number, of its chains of all lessons; none where nothing swims or nothing turns.
+    pub(super) fn sets(&self, chains: u32, lessons: &[Lesson]) -> Vec<Individual> {
+        (0..chains).filter_map(|chain| self.set(chain, lessons)).collect()
     }
 
-    fn set(&self, choice: &[u32], lessons: &[Lesson]) -> Option<Individual> {
+    fn set(&self, chain: u32, lessons: &[Lesson]) -> Option<Individual> {
         let of = |teaches: Teaches| {
             self.raced.iter().filter(move |(raced, _)| {
-                let lesson = raced.lesson as usize;
-                lessons[lesson].teaches == teaches && choice[lesson] == raced.chain
+                raced.chain == chain && lessons[raced.lesson as usize].teaches == teaches
             })
         };
         let calibrated = |(raced, controller): &(Raced, Controller)| Calibrated {
@@ -158,7 +164,7 @@ impl Repertoire {
         });
         let fastest = |map: &[Calibrated]| map.last().map_or(Value::Null, |entry| json!(entry.measured));
         let traits = json!({
-            "chains": choice.iter().map(u32::to_string).collect::<Vec<_>>().join("+"),
+            "chain": chain,
             "swims": set.swims.len(),
             "turns": set.turns.len(),
             "fastest": fastest(&set.swims),

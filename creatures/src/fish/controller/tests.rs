@@ -116,3 +116,22 @@ fn phases_are_interpolated_along_the_shorter_arc() {
     assert!((between(0.0).phase[0] - 3.0).abs() < 1e-12);
     assert_eq!(a.amplified(100.0).amplitude.iter().fold(0.0f64, |most, &a| most.max(a)), 1.0);
 }
+
+///
+#[test]
+fn a_bent_swim_keeps_its_beat_and_leans_as_the_turn_does() {
+    let (swim, mut turn) = (random(1, 9).symmetrised(), random(1, 10));
+    turn.offset[4..8].copy_from_slice(&[0.8, 0.2, 0.4, 0.6]); // 2 d = 0.7 − 0.3
+    let bent = swim.bent(&turn, 0.5);
+    assert_eq!((&bent.amplitude, &bent.phase), (&swim.amplitude, &swim.phase));
+    let change: Vec<f64> = (4..8).map(|muscle| bent.offset[muscle] - swim.offset[muscle]).collect();
+    for (found, expected) in change.iter().zip([0.1, -0.1, -0.1, 0.1]) {
+        assert!((found - expected).abs() < 1e-12, "{change:?}");
+    }
+    assert_eq!(
+        swim.bent(&turn.symmetrised(), 1.0).offset,
+        swim.offset,
+        "a turn that leans nowhere bends nothing"
+    );
+    bent.check("controller").unwrap();
+}

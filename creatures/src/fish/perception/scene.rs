@@ -1,6 +1,7 @@
 //! All there is to perceive at one instant, and one fish's way into it. It is the same for all fishes of a
 //! step, whichever is asked first.
 
+use super::capsule::Capsule;
 use super::{Figure, Percept, brightness, vision};
 use crate::fish::habits::Habits;
 use crate::fish::mind::Target;
@@ -20,6 +21,8 @@ pub struct Scene<'a> {
     pub climate: &'a Climate,
     /// (fishes), the dead ones too.
     pub figures: &'a [Figure],
+    /// (living fishes), what stands in the light, ascending.
+    pub shadows: &'a [Shadow],
     /// (particles), the absent ones too.
     pub particles: &'a [Particle],
     /// The living fishes by place.
@@ -28,6 +31,37 @@ pub struct Scene<'a> {
     pub speed_max: f64,
     /// No fish is larger, S.
     pub size_max: f64,
+}
+
+/// What a living fish hides: kept apart from all else that is known of it, since most looking is past it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shadow {
+    /// Whose it is.
+    pub id: FishId,
+    /// The middle of the capsule, and the radius of a ball about it that holds it.
+    pub center: DVec3,
+    /// As said.
+    pub reach: f64,
+    /// Its exact shape.
+    pub capsule: Capsule,
+}
+
+impl Shadow {
+    /// Of a fish as it looks now.
+    pub fn of(figure: &Figure) -> Shadow {
+        let capsule = figure.shadow;
+        Shadow { id: figure.id, center: capsule.center(), reach: capsule.reach(), capsule }
+    }
+
+    /// Whether it meets a ray (unit direction) within a distance.
+    #[inline]
+    pub fn meets(&self, origin: DVec3, direction: DVec3, distance: f64) -> bool {
+        let way = self.center - origin;
+        let along = way.dot(direction);
+        // Most rays pass it by.
+        way.length_squared() - along * along <= self.reach * self.reach
+            && self.capsule.hit(origin, direction, distance).is_some()
+    }
 }
 
 impl<'a> Scene<'a> {

@@ -1,5 +1,6 @@
 //! A pond to look around in.
 
+use super::scene::Shadow;
 use super::*;
 use crate::fish::habits::{Habits, Nature, Sex};
 use crate::fish::world::{Climate, FishId, Grid, Obstacle, Particle, Tank, tank};
@@ -52,7 +53,10 @@ impl Pond {
         let mut grid = Grid::default();
         let living = self.figures.iter().filter(|figure| figure.alive);
         grid.sort(living.map(|figure| (figure.id, figure.center)));
+        let living = self.figures.iter().filter(|figure| figure.alive);
+        let shadows: Vec<Shadow> = living.map(Shadow::of).collect();
         let scene = Scene {
+            shadows: &shadows,
             time: self.time,
             tank: Tank::new(tank::PUBLISHED),
             obstacles: &self.obstacles,

@@ -1,6 +1,7 @@
 //! What an eye sees: whatever has a sample point within reach, within the cone of sight and not
 //! behind something opaque.
 
+use super::scene::Shadow;
 use super::{Figure, Senses};
 use crate::fish::world::{FishId, Obstacle};
 use glam::DVec3;
@@ -46,12 +47,10 @@ fn clear(senses: &Senses<'_>, point: DVec3, fish: Option<FishId>, obstacle: Opti
     if scene.obstacles.iter().enumerate().any(blocks) {
         return false;
     }
-    let shades = |figure: &Figure| {
-        figure.id != senses.me.id
-            && Some(figure.id) != fish
-            && figure.shadow.hit(eye, direction, distance).is_some()
+    let hides = |shadow: &Shadow| {
+        shadow.meets(eye, direction, distance) && shadow.id != senses.me.id && Some(shadow.id) != fish
     };
-    !scene.living().any(shades)
+    !scene.shadows.iter().any(hides)
 }
 
 #[cfg(test)]

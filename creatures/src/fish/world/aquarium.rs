@@ -7,6 +7,7 @@ use crate::fish::Water;
 use crate::fish::behaviour::Stage;
 use crate::fish::habits::Nature;
 use crate::fish::mechanics::{Fault, TIME_STEP};
+use crate::fish::perception::scene::Shadow;
 use crate::fish::perception::{Figure, Scene};
 use glam::DVec3;
 
@@ -50,6 +51,7 @@ pub struct Aquarium {
     /// Steps done.
     pub steps: u32,
     grid: Grid,
+    shadows: Vec<Shadow>,
     commands: Vec<Command>,
     /// (fishes), whether the mouth was open when the step began.
     sucking: Vec<bool>,
@@ -78,6 +80,7 @@ impl Aquarium {
             events: Vec::new(),
             steps: 0,
             grid: Grid::default(),
+            shadows: Vec::with_capacity(fishes.len()),
             commands: vec![Command::default(); fishes.len()],
             sucking: vec![false; fishes.len()],
             forces: vec![DVec3::ZERO; crate::fish::body::NODES],
@@ -118,7 +121,10 @@ impl Aquarium {
         let living = self.figures.iter().filter(|figure| figure.alive);
         self.grid.sort(living.clone().map(|figure| (figure.id, figure.center)));
         let largest = |of: fn(&Figure) -> f64| living.clone().map(of).fold(0.0, f64::max);
+        self.shadows.clear();
+        self.shadows.extend(living.clone().map(Shadow::of));
         let scene = Scene {
+            shadows: &self.shadows,
             time: self.time(),
             tank: self.environment.tank,
             obstacles: &self.environment.obstacles,

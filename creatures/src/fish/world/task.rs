@@ -3,15 +3,16 @@
 
 use super::trial::Trial;
 use super::{
-    Climate, Currents, Environment, FishId, Inhabitant, Obstacle, Particle, ParticleId, Stuff, Tank, tank,
+    Climate, Current, Currents, Environment, FishId, Inhabitant, Obstacle, Particle, ParticleId, Stuff, Tank,
+    tank,
 };
 use crate::fish::Body;
-use crate::fish::habits::variation::Focus;
+use crate::fish::habits::variation::{Focus, Settings};
 use crate::fish::habits::{Genotype, Habits, Nature, Sex};
 use crate::fish::mechanics::TIME_STEP;
 use crate::fish::task::life::Watch;
 use crate::random::{Stream, stream};
-use crate::{Cull, DecodeError, Interim, Outcome, SpecError, Task, read_spec};
+use crate::{Cull, DecodeError, Interim, Outcome, Proof, SpecError, Task, read_spec};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -139,9 +140,14 @@ impl WorldTask {
         }
     }
 
+    /// Whose habits a `[task]` table tests, if it is of a world.
+    pub fn scenario_of(table: &Value) -> Option<Focus> {
+        Focus::deserialize(table.get("scenario")?).ok()
+    }
+
     /// Whether a `[task]` table is of a world.
     pub fn is(table: &Value) -> bool {
-        table.get("scenario").is_some_and(|name| Focus::deserialize(name).is_ok())
+        WorldTask::scenario_of(table).is_some()
     }
 
     /// Reads a `[task]` table, of which the scenario gives the defaults.
@@ -348,6 +354,20 @@ fn published_obstacles() -> Vec<Obstacle> {
         Obstacle::Sphere { center: [-70.0, -80.0, -40.0], radius: 25.0 },
         Obstacle::Box { center: [0.0, 0.0, -80.0], half: [30.0, 30.0, 20.0] },
     ]
+}
+
+/// A short life in each scenario, in moving water: founders among the published world's fishes.
+pub fn proofs() -> Vec<Proof> {
+    let proof = |focus: Focus| {
+        let settings = Settings { focus, ..Settings::default() };
+        let genotype = Genotype::random(&settings, &mut stream(0, [0, 0, 0], "fish world proof"));
+        let world = WorldTask::published(focus);
+        let currents = Currents(vec![Current::Vortex { center: [40.0, 0.0], core: 30.0, speed: 0.2 }]);
+        let task = WorldTask { duration: 8.0, trials: 1, currents, predators: 1, prey: 5, ..world };
+        let task = serde_json::to_string(&task).expect("a plain struct serialises");
+        Proof { task, genotype: genotype.encode(), seed: 0 }
+    };
+    [Focus::Prey, Focus::Predator, Focus::Pacifist].map(proof).to_vec()
 }
 
 fn below(table: &str, error: SpecError) -> SpecError {

@@ -188,7 +188,9 @@ impl Courtship {
         if let Some(percept) = senses.fish(id) {
             (self.seen, self.last) = (time, Some(percept.figure.clone()));
         }
-        if time - self.seen > UNSEEN_MAX || time - self.since > STAGE_MAX {
+        // He approaches from where she cannot see: once she rises she trusts that he follows (Choice).
+        let trusts = senses.me.sex == Sex::Female && self.stage >= Stage::Ascend;
+        if (time - self.seen > UNSEEN_MAX && !trusts) || time - self.since > STAGE_MAX {
             self.give_up(time);
         }
     }
