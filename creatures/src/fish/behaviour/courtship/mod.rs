@@ -264,7 +264,9 @@ impl Courtship {
                 self.enter(Stage::Ascend, time);
             }
             Stage::Ascend if male && stage >= Stage::Nuzzle => self.enter(Stage::Nuzzle, time),
-            Stage::Ascend if !male && self.risen(senses) => self.enter(Stage::Nuzzle, time),
+            Stage::Ascend if !male && self.risen(senses) && me.forward.z.abs() < moves::LEVEL => {
+                self.enter(Stage::Nuzzle, time)
+            }
             Stage::Nuzzle if self.counts.nuzzles >= NUZZLES => self.enter(Stage::Done, time),
             _ => {}
         }

@@ -1,6 +1,7 @@
 //! The dance itself: what each of a pair does in a stage.
 
 use super::{Courtship, Stage};
+use crate::fish::behaviour::head;
 use crate::fish::chase::bearing;
 use crate::fish::fins::{ASCENT, BRAKE, FinAngles, NEUTRAL};
 use crate::fish::habits::Sex;
@@ -15,6 +16,8 @@ pub(super) const TOUCH: f64 = 0.15;
 pub(super) const REARM: f64 = 0.3;
 /// How much higher she rises, by L.
 pub(super) const RISE: f64 = 1.5;
+/// Sine of the pitch that counts as level.
+pub(super) const LEVEL: f64 = 0.1;
 /// The loop's point: how far before her mouth, how far above it, its amplitude, by L; its period.
 const LOOP_AHEAD: f64 = 1.0;
 const LOOP_ABOVE: f64 = 0.25;
@@ -35,8 +38,8 @@ const STAGING_NEAR: f64 = 0.4;
 const NUZZLE_FAR: f64 = 2.5;
 /// The least elevation of her abdomen from his mouth, degrees.
 const NUZZLE_ELEVATION_DEGREES: f64 = 15.0;
-/// σ on the last way to her abdomen.
-const NUZZLE_SWIM: f64 = 0.6;
+/// σ on the last way to her abdomen. Choice: slower than this a fish hardly climbs, and he passes below her.
+const NUZZLE_SWIM: f64 = 1.0;
 
 /// What to do with a partner that looked like this when last seen.
 pub(super) fn command(
@@ -62,6 +65,8 @@ pub(super) fn command(
             Chase::headlong(partner.tail, 1.0, posture)
         }
         Stage::Ascend if male => chase.toward(partner.abdomen, 1.0, posture, me.size),
+        // A hovering fish cannot change its pitch: she levels out before she stops (Choice).
+        Stage::Ascend if courtship.risen(senses) => head(posture, posture.heading(), 0.0, 1.0),
         Stage::Ascend => Command { swim: 1.0, fins: FinAngles::both(ASCENT), ..Command::default() },
         Stage::Nuzzle if male => nuzzling(courtship, me, partner, chase, posture),
         Stage::Nuzzle | Stage::Done => hover(),
@@ -112,8 +117,9 @@ fn nuzzling(
     }
     let way = partner.abdomen - posture.mouth();
     let distance = way.length();
-    let staging =
-        partner.abdomen - partner.forward * (STAGING_BEHIND * length) - DVec3::Z * (STAGING_BELOW * length);
+    // Behind in the plane: she may hover with her head up, and he cannot climb as steeply as that (Choice).
+    let level = DVec3::new(partner.forward.x, partner.forward.y, 0.0).normalize_or_zero();
+    let staging = partner.abdomen - level * (STAGING_BEHIND * length) - DVec3::Z * (STAGING_BELOW * length);
     if counts.rising {
         let elevation = asin((way.z / distance.max(f64::MIN_POSITIVE)).clamp(-1.0, 1.0));
         if distance < TOUCH * length && elevation >= NUZZLE_ELEVATION_DEGREES.to_radians() {

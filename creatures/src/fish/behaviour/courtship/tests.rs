@@ -194,6 +194,10 @@ fn each_follows_the_stage_that_the_other_shows() {
     court(&pond, 1, &mut female);
     assert_eq!(female.stage, Stage::Ascend);
     pond.figures[1].center.z += 31.0;
+    pond.figures[1].forward = DVec3::new(0.0, -0.8, 0.6);
+    court(&pond, 1, &mut female);
+    assert_eq!(female.stage, Stage::Ascend, "she levels out first");
+    pond.figures[1].forward = DVec3::NEG_Y;
     court(&pond, 1, &mut female);
     assert_eq!(female.stage, Stage::Nuzzle);
 }
