@@ -261,6 +261,39 @@ fn currents_carry_fishes_and_particles() {
     assert!(aquarium.figures[0].center.x > 5.0, "{}", aquarium.figures[0].center);
 }
 
+/// a pair that is done has mated, both start anew; a male whom nobody courts has not.
+#[test]
+fn a_mating_counts_for_both() {
+    let pacifist = |sex| Habits::published(Nature::Pacifist, sex);
+    for mutual in [true, false] {
+        let mut stock = Stock::new(Vec::new());
+        stock.fish(pacifist(Sex::Male), DVec3::ZERO, 0.0);
+        stock.fish(pacifist(Sex::Female), DVec3::new(0.0, 30.0, 0.0), 0.0);
+        let mut aquarium = stock.aquarium();
+        for (fish, partner) in [(0, 1), (1, 0)] {
+            aquarium.fishes[fish].mind.drives.since_mating = 400.0;
+            aquarium.fishes[fish].routines.courtship.partner =
+                Some(FishId(partner)).filter(|_| mutual || fish == 0);
+        }
+        aquarium.fishes[0].routines.courtship.stage = Stage::Done;
+        for fish in 0..2 {
+            aquarium.figures[fish] = aquarium.fishes[fish].figure(FishId(fish as u32));
+        }
+        aquarium.mate();
+        for fish in &aquarium.fishes {
+            assert_eq!(fish.deeds.matings, u32::from(mutual));
+            assert_eq!(fish.mind.drives.since_mating, if mutual { 0.0 } else { 400.0 });
+            assert_eq!(
+                (fish.routines.courtship.stage, fish.routines.courtship.partner),
+                (Stage::Search, None)
+            );
+        }
+        aquarium.events.clear();
+        aquarium.mate();
+        assert!(aquarium.events.is_empty(), "once");
+    }
+}
+
 /// Connected parts of a school, of fishes within three body lengths of each other.
 fn parts(aquarium: &Aquarium, count: usize) -> usize {
     let at: Vec<DVec3> = aquarium.figures[..count].iter().map(|figure| figure.center).collect();
@@ -285,7 +318,7 @@ fn a_school_splits_round_a_post_and_joins_again() {
     let rejoined: Vec<bool> = (0..5)
         .map(|seed| {
             let mut draws = stream(seed, [0, 0, 0], "post");
-            let post = Obstacle::Cylinder { center: [0.0, 220.0, 0.0], radius: 45.0, half_height: 100.0 };
+            let post = Obstacle::Cylinder { center: [0.0, 220.0, 0.0], radius: 20.0, half_height: 100.0 };
             let mut stock = Stock::new(vec![post]);
             stock.environment.tank = Tank::new([4000.0, 4000.0, 1800.0]);
             for _ in 0..8 {
@@ -305,6 +338,8 @@ fn a_school_splits_round_a_post_and_joins_again() {
                 }
             }
             eprintln!("seed {seed}: parts {story:?}, in the end {:.3?}", formation(&aquarium, 8));
+            let (polarisation, nearest) = formation(&aquarium, 8);
+            assert!(polarisation > 0.9 && (0.7..=1.5).contains(&nearest), "seed {seed}");
             story.windows(3).any(|parts| parts == [1, 2, 1])
         })
         .collect();
