@@ -1,11 +1,13 @@
-//! What a fish's step costs (B-2): a drill of the published length, whole, from bytes to outcome, and a swim by
-//! motor commands.
+//! What a fish's step costs (B-2): a drill of the published length, whole, from bytes to outcome, a swim by motor
+//! commands, and of such a step the solving of its equations and the search for faces that push water.
 //!
 //! `cargo run --release -p creatures --example fish_steps`
 
 #![allow(clippy::disallowed_types, reason = "an example that measures needs a clock")]
 
+use creatures::fish::hydrodynamics::pressed;
 use creatures::fish::samples::{COUNT, STEPS};
+use creatures::fish::skyline::Skyline;
 use creatures::fish::{Body, Command, Encoding, Fish, Genotype, Samples, Still, Swimmer, Turn};
 use creatures::random::stream;
 use creatures::{Status, System};
@@ -43,4 +45,31 @@ fn main() {
         1000
     });
     println!("swim: {swim:.2} µs a step, {:.0} steps a second and core", 1e6 / swim);
+
+    let lattice = &fish.body.lattice;
+    let nodes = lattice.masses.len();
+    let mut matrix = Skyline::new(nodes, lattice.couplings());
+    let mut right = vec![1.0; 3 * nodes];
+    let solving = cost(|| {
+        for _ in 0..1000 {
+            matrix.clear();
+            for node in 0..nodes {
+                let inertia = [[1e3, 0.0, 0.0], [0.0, 1e3, 0.0], [0.0, 0.0, 1e3]];
+                matrix.add_diagonal(matrix.block(node, node), &inertia);
+            }
+            matrix.factorise().expect("inertia is positive");
+            matrix.solve(&mut right);
+        }
+        1000
+    });
+    let pressing = cost(|| {
+        let count = || lattice.faces.iter().filter_map(|face| pressed(face, &fish.motion, &Still)).count();
+        let pushing: usize = (0..1000).map(|_| std::hint::black_box(count())).sum();
+        assert!(pushing > 0, "a moving fish pushes water");
+        1000
+    });
+    let rest = swim - solving - pressing;
+    for (what, time) in [("solving", solving), ("water", pressing), ("assembly and control", rest)] {
+        println!("  {what}: {time:.2} µs, {:.0} %", 100.0 * time / swim);
+    }
 }

@@ -11,7 +11,7 @@ use crate::registry::Plan;
 use crate::settings::{self, check, read_joined, within, write_joined};
 use crate::{Individual, Place, Record, Search};
 use creatures::fish::controller::OSCILLATIONS_MAX;
-use creatures::fish::{Criterion, FishTask};
+use creatures::fish::{Controller, Criterion, FishTask};
 use creatures::{Outcome, SpecError};
 use repertoire::{Raced, Racer, Repertoire, swim_of};
 use serde::{Deserialize, Serialize};
@@ -184,31 +184,33 @@ struct Learning {
 }
 
 impl Learning {
-    /// The controllers of every chain's best state, at every gain, as they are raced. Turns bend the swim that
-    /// the chain of the same number learned in the first lesson of one.
+    /// The controllers of every chain's best state, at every gain, as they are raced. Every turn bends the swims
+    /// of all chains of the first lesson of one: what bends one gait sharply may not bend another.
     fn racers(&self) -> Vec<Racer> {
         let Abstraction { oscillations, gains, .. } = &self.settings.abstraction;
         let (chains, lessons) = (self.settings.schedule.chains, &self.settings.lessons);
         let oscillations = *oscillations as usize;
-        let best: Vec<&State> = self.chains.best().collect();
-        let swims: Vec<_> = best.iter().map(|state| swim_of(state, oscillations)).collect();
         let first = lessons.iter().position(|lesson| lesson.teaches == Teaches::Swim);
-        let first = first.expect("a curriculum has a lesson of a swim");
-        let racers_of = |index: usize| {
-            let (lesson, chain) = (index / chains as usize, index % chains as usize);
-            let straight = match lessons[lesson].teaches {
-                Teaches::Swim => index,
-                Teaches::Turn => first * chains as usize + chain,
-            };
-            let (own, straight) = (best[index], (best[straight], swims[straight].as_ref()));
-            let from = [lesson as u32, chain as u32];
-            let racer = move |&gain: &f64| match lessons[lesson].teaches {
-                Teaches::Swim => Some(Racer::swim(own, straight.1?, from, gain)),
-                Teaches::Turn => Some(Racer::turn(own, oscillations, (straight.0, straight.1?), from, gain)),
-            };
-            gains.iter().filter_map(racer)
-        };
-        (0..best.len()).flat_map(racers_of).collect()
+        let first = first.expect("a curriculum has a lesson of a swim") * chains as usize;
+        let straight = (0..).zip(self.chains.best().skip(first).take(chains as usize));
+        let gaits: Vec<(u32, &State, Controller)> =
+            straight.filter_map(|(gait, state)| Some((gait, state, swim_of(state, oscillations)?))).collect();
+        let mut racers = Vec::new();
+        for (index, best) in (0..).zip(self.chains.best()) {
+            let (lesson, chain) = (index / chains, index % chains);
+            for &gain in gains {
+                match lessons[lesson as usize].teaches {
+                    Teaches::Swim => racers.extend(
+                        swim_of(best, oscillations)
+                            .map(|swim| Racer::swim(best, &swim, [lesson, chain], gain)),
+                    ),
+                    Teaches::Turn => racers.extend(gaits.iter().map(|(gait, state, swim)| {
+                        Racer::turn(best, oscillations, (state, swim), [lesson, chain, *gait], gain)
+                    })),
+                }
+            }
+        }
+        racers
     }
 
     fn race_place(&self, index: u32) -> Place {

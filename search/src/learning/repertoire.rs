@@ -14,6 +14,8 @@ use serde_json::{Value, json};
 pub(super) struct Racer {
     pub(super) lesson: u32,
     chain: u32,
+    /// Which chain's swim it is, or bends.
+    gait: u32,
     gain: f64,
     controller: Controller,
     /// The state that it was abstracted from; of a turn, then that of the swim which it bends.
@@ -25,6 +27,7 @@ pub(super) struct Racer {
 pub(super) struct Raced {
     lesson: u32,
     chain: u32,
+    gait: u32,
     gain: f64,
     place: Place,
     /// Of the controller; turned over if the lesson's turn came out to the right.
@@ -49,7 +52,7 @@ impl Racer {
     /// The straight swim of a chain's best state, its amplitudes times a gain.
     pub(super) fn swim(best: &State, swim: &Controller, [lesson, chain]: [u32; 2], gain: f64) -> Racer {
         let parents = vec![Parent { place: best.place, role: "only".to_owned() }];
-        Racer { lesson, chain, gain, controller: swim.amplified(gain), parents }
+        Racer { lesson, chain, gait: chain, gain, controller: swim.amplified(gain), parents }
     }
 
     /// A straight swim bent as a chain's best turn is, times a gain.
@@ -60,13 +63,13 @@ impl Racer {
         best: &State,
         oscillations: usize,
         (straight, swim): (&State, &Controller),
-        [lesson, chain]: [u32; 2],
+        [lesson, chain, gait]: [u32; 3],
         gain: f64,
     ) -> Racer {
         let controller = swim.bent(&abstracted(&best.samples, oscillations), gain);
         let parent = |state: &State, role: &str| Parent { place: state.place, role: role.to_owned() };
         let parents = vec![parent(best, "first"), parent(straight, "second")];
-        Racer { lesson, chain, gain, controller, parents }
+        Racer { lesson, chain, gait, gain, controller, parents }
     }
 
     pub(super) fn individual(&self) -> Individual {
@@ -77,6 +80,7 @@ impl Racer {
             traits: json!({
                 "lesson": self.lesson,
                 "chain": self.chain,
+                "gait": self.gait,
                 "gain": self.gain,
                 "frequency": self.controller.frequency[0],
             }),
@@ -98,8 +102,8 @@ impl Racer {
             false => (measured, self.controller),
         };
         let genotype = GenotypeBytes(Genotype::Controller(controller.clone()).encode());
-        let Racer { lesson, chain, gain, .. } = self;
-        let raced = Raced { lesson, chain, gain, place, genotype, measured };
+        let Racer { lesson, chain, gait, gain, .. } = self;
+        let raced = Raced { lesson, chain, gait, gain, place, genotype, measured };
         (outcome.status == Status::Completed).then_some((raced, controller))
     }
 }
@@ -135,17 +139,23 @@ impl Repertoire {
         self.raced.len()
     }
 
-    /// A set for each chain number, of its chains of all lessons; none where nothing swims or nothing turns.
+    /// A set for each chain's swim, with the turn that bends it sharpest; none where nothing swims or nothing
+    /// turns.
     pub(super) fn sets(&self, chains: u32, lessons: &[Lesson]) -> Vec<Individual> {
-        (0..chains).filter_map(|chain| self.set(chain, lessons)).collect()
+        (0..chains).filter_map(|gait| self.set(gait, lessons)).collect()
     }
 
-    fn set(&self, chain: u32, lessons: &[Lesson]) -> Option<Individual> {
+    fn set(&self, gait: u32, lessons: &[Lesson]) -> Option<Individual> {
         let of = |teaches: Teaches| {
             self.raced.iter().filter(move |(raced, _)| {
-                raced.chain == chain && lessons[raced.lesson as usize].teaches == teaches
+                raced.gait == gait && lessons[raced.lesson as usize].teaches == teaches
             })
         };
+        let sharpest = of(Teaches::Turn).map(|(raced, _)| raced).reduce(|sharpest, raced| {
+            if raced.measured > sharpest.measured { raced } else { sharpest } // of equals the first
+        })?;
+        let turn = (sharpest.lesson, sharpest.chain);
+        let turns = of(Teaches::Turn).filter(|(raced, _)| (raced.lesson, raced.chain) == turn);
         let calibrated = |(raced, controller): &(Raced, Controller)| Calibrated {
             name: raced.name(),
             controller: controller.clone(),
@@ -153,7 +163,7 @@ impl Repertoire {
         };
         let set = ControllerSet::assembled(
             of(Teaches::Swim).map(calibrated).collect(),
-            of(Teaches::Turn).map(calibrated).collect(),
+            turns.map(calibrated).collect(),
         )?;
         let parents = [(&set.swims, "swim"), (&set.turns, "turn")].map(|(map, role)| {
             let parent = |entry: &Calibrated| {
@@ -164,7 +174,8 @@ impl Repertoire {
         });
         let fastest = |map: &[Calibrated]| map.last().map_or(Value::Null, |entry| json!(entry.measured));
         let traits = json!({
-            "chain": chain,
+            "gait": gait,
+            "turn": sharpest.chain,
             "swims": set.swims.len(),
             "turns": set.turns.len(),
             "fastest": fastest(&set.swims),
@@ -183,6 +194,6 @@ impl Repertoire {
 impl Raced {
     /// Its name in a set.
     fn name(&self) -> String {
-        format!("lesson {} chain {} gain {}", self.lesson, self.chain, self.gain)
+        format!("lesson {} chain {} gait {} gain {}", self.lesson, self.chain, self.gait, self.gain)
     }
 }

@@ -108,7 +108,7 @@ pub(super) fn live(lesson: &Lesson, start: &Swimmer, genotype: &Genotype, watch:
             ("progress", lesson.objective.progress(&trace)),
             ("criterion", criterion),
             ("roughness", roughness),
-            ("heading_change", trace.heading_change.to_degrees()),
+            ("heading_change_degrees", trace.heading_change.to_degrees()),
             ("speed", speed),
         ],
     )

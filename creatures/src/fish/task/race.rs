@@ -63,12 +63,14 @@ pub(super) fn live(course: &Course, fish: &Swimmer, genotype: &Genotype, watch: 
         forward: fish.posture().forward,
         start: fish.center_of_mass(),
         fish: fish.clone(),
+        steps: 0,
         turned: 0.0,
         half: None,
     };
     let end = racer.swim(course, &mut practice, watch);
     let distance = racer.distance();
-    let (speed, turn_rate) = racer.second_half(course);
+    // Who was stopped on the way has no speed; as no number it is left out.
+    let (speed, turn_rate) = racer.second_half(course).unwrap_or((f64::NAN, f64::NAN));
     watch.outcome(
         end,
         distance,
@@ -76,7 +78,7 @@ pub(super) fn live(course: &Course, fish: &Swimmer, genotype: &Genotype, watch: 
             ("progress", distance),
             ("speed", speed),
             ("turn_rate", turn_rate),
-            ("turned", racer.turned.to_degrees()),
+            ("turned_degrees", racer.turned.to_degrees()),
         ],
     )
 }
@@ -86,6 +88,8 @@ struct Racer {
     fish: Swimmer,
     start: DVec3,
     forward: DVec3,
+    /// Done.
+    steps: u32,
     /// Accumulated change of heading, rad, left positive.
     turned: f64,
     /// c and the accumulated change of heading half way.
@@ -103,6 +107,7 @@ impl Racer {
             let before = self.fish.posture().heading();
             self.fish.practise(&practice.step(step), &Still)?;
             self.turned += wrap_angle(self.fish.posture().heading() - before);
+            self.steps = step;
             if step == course.steps / 2 {
                 self.half = Some((self.fish.center_of_mass(), self.turned));
             }
@@ -116,13 +121,11 @@ impl Racer {
         (self.fish.center_of_mass() - self.start).dot(self.forward) / self.fish.body.length()
     }
 
-    /// Speed, L by time, and turn rate, rad by time, over the second half; 0 before it.
+    /// Speed, L by time, and turn rate, rad by time, over the second half; none before the end.
     ///
     /// Speed is that of the way as the crow flies along the arc: a turning fish's chord is stretched to its arc.
-    fn second_half(&self, course: &Course) -> (f64, f64) {
-        let Some((place, turned)) = self.half else {
-            return (0.0, 0.0);
-        };
+    fn second_half(&self, course: &Course) -> Option<(f64, f64)> {
+        let (place, turned) = self.half.filter(|_| self.steps == course.steps)?;
         let time = f64::from(course.steps - course.steps / 2) * TIME_STEP;
         let (chord, angle) = ((self.fish.center_of_mass() - place).length(), self.turned - turned);
         let half_angle = 0.5 * angle;
@@ -130,6 +133,6 @@ impl Racer {
             sine if half_angle.abs() < std::f64::consts::FRAC_PI_2 && sine != 0.0 => half_angle / sine,
             _ => 1.0,
         };
-        (chord * stretch / time / self.fish.body.length(), angle / time)
+        Some((chord * stretch / time / self.fish.body.length(), angle / time))
     }
 }

@@ -43,10 +43,10 @@ fn a_turn_is_practised_by_a_fish_that_already_swims() {
     let bent = Genotype::Controller(beating(1.0, 0.4));
     let straight = live(task(420), &swim(1.0));
     let outcome = live(task(420), &bent);
-    let turned = measure(&outcome, "heading_change");
+    let turned = measure(&outcome, "heading_change_degrees");
     assert!(turned > 15.0, "{turned}°");
     assert!((measure(&outcome, "criterion") + (30.0 - turned).abs() / 30.0).abs() < 1e-12);
-    assert!(measure(&straight, "heading_change").abs() < 10.0);
+    assert!(measure(&straight, "heading_change_degrees").abs() < 10.0);
     assert!(measure(&outcome, "speed") > 1.5 * measure(&live(task(0), &bent), "speed"), "it was under way");
 }
 
@@ -111,6 +111,8 @@ fn every_scenario_reports_and_is_culled_on_the_way() {
         let outcome = task.evaluate(&genotype.encode(), 1, Some(&cull), &mut |i| seen = Some(i)).unwrap();
         assert_eq!((outcome.status, outcome.fitness, outcome.steps), (Status::Culled, 0.0, steps / 2));
         assert_eq!(outcome.interim, seen);
+        let speed = outcome.measures.iter().any(|(name, _)| name == "speed");
+        assert_eq!(speed, steps == 182, "a race that was stopped has no speed");
         let free = task.evaluate(&genotype.encode(), 1, None, &mut |_| {}).unwrap();
         let spared = Cull { control: true, ..cull };
         let spared = task.evaluate(&genotype.encode(), 1, Some(&spared), &mut |_| {}).unwrap();
