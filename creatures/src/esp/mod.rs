@@ -7,3 +7,4 @@ pub mod fitness;
 pub mod key;
 pub mod pandemonium;
 pub mod syllabus;
+pub mod variation;

@@ -232,4 +232,4 @@ fn share(value: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -2,9 +2,11 @@
 //! creature's life needs of it, checked; how long a skill is evolved and who is picked is for the search.
 
 mod check;
+mod stages;
 mod table;
 
-pub use table::{GroupTable, Growth, Sensor, SkillTable, SyllabusTable};
+pub use stages::{Mode, Stage};
+pub use table::{BodyRule, GroupTable, Growth, Sensor, SkillTable, SyllabusTable};
 
 use super::fitness::Fitness;
 use super::pandemonium::Winner;
