@@ -3,8 +3,10 @@
 
 pub mod brain;
 pub mod encapsulation;
+pub mod examination;
 pub mod fitness;
 pub mod key;
 pub mod pandemonium;
 pub mod syllabus;
+pub mod trial;
 pub mod variation;
