@@ -4,6 +4,7 @@
 //! the service exists to call is [`Task::evaluate`].
 
 pub mod encoding;
+pub mod esp;
 pub mod fish;
 pub mod flyer;
 pub mod math;

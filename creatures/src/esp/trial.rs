@@ -1,0 +1,185 @@
+//! One trial: a settled creature, its brain and a target, step by step until the end (E-33, E-49, E-80). It
+//! records and scores nothing; what a body is stands behind [`Living`].
+
+use super::brain::{Circuit, TICK};
+use super::fitness::setup::LIGHT_STRENGTH;
+use super::fitness::{Moment, Record, Setup, Target};
+use super::syllabus::Sensor;
+use crate::math::{atan2, cos, sin, wrap_angle};
+use glam::{DQuat, DVec3};
+
+/// The most lights of a trial.
+const LIGHTS_MAX: usize = super::fitness::setup::STACK;
+
+/// A settled creature in its world, as a trial sees it. World frame: z up, the ground at z = 0.
+pub trait Living {
+    /// Why it cannot go on (E-23).
+    type Fault;
+
+    /// Greatest force of each muscle, N, in the order of the body's instances (E-24).
+    fn strengths(&self) -> &[f64];
+
+    /// m·g, N.
+    fn weight(&self) -> f64;
+
+    /// Where it is.
+    fn state(&self) -> State;
+
+    /// Puts the discs of a target on the ground, one upon the other: sensors, which push nothing (E-78).
+    fn place_discs(&mut self, centre: DVec3, count: usize);
+
+    /// What the muscles' lengths feel like, in the order of the body's instances (E-27).
+    fn feel(&self, lengths: &mut [f64]);
+
+    /// What the photoreceptors see, in the order of the body's instances (E-29).
+    fn see(&self, lights: &[Light], signals: &mut [f64]);
+
+    /// One step of [`TICK`] with the muscles' activations, in the order of the body's instances.
+    ///
+    /// # Errors
+    /// What went wrong in the physics; the creature is not stepped again.
+    fn step(&mut self, activations: &[f64]) -> Result<(), Self::Fault>;
+}
+
+/// A creature's state.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct State {
+    /// Centre of mass, m.
+    pub centre: DVec3,
+    /// Of the centre of mass, m/s.
+    pub velocity: DVec3,
+    /// Of the forward axis about z, rad, from x towards y (E-21).
+    pub heading: f64,
+    /// Vertical part of the root's up axis, −1 to 1.
+    pub up: f64,
+    /// Height of the highest point, m.
+    pub top: f64,
+    /// Sum of the normal forces of the ground, N.
+    pub ground_force: f64,
+    /// Whether any part touches a disc.
+    pub touches: bool,
+}
+
+/// A light.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Light {
+    /// m, world frame.
+    pub position: DVec3,
+    /// S of E-29.
+    pub strength: f64,
+}
+
+/// Where a trial started: what positions, headings and lights are measured from.
+#[derive(Debug, Clone, Copy)]
+struct Origin {
+    /// On the ground below the settled centre of mass.
+    point: DVec3,
+    heading: f64,
+    rotation: DQuat,
+}
+
+/// Lives one trial to its end and records it; `record` is emptied first.
+///
+/// The circuit is a fresh one. At each step the brain reads the state and the lights of that moment, the muscles
+/// act, the world moves on.
+///
+/// # Errors
+/// The fault that ended it; the record is as far as it got.
+pub fn live<L: Living>(
+    creature: &mut L,
+    circuit: &mut Circuit,
+    setup: &Setup,
+    record: &mut Record,
+) -> Result<(), L::Fault> {
+    let origin = Origin::of(&creature.state());
+    if let Some(target) = setup.target {
+        creature.place_discs(origin.to_world(target.centre()), target.discs());
+    }
+    let strength: f64 = creature.strengths().iter().sum();
+    record.moments.clear();
+    record.moments.reserve(setup.steps() + 1);
+    record.ended = false;
+    record.has_muscles = strength > 0.0;
+    record.moments.push(origin.moment(creature, setup.target, 0.0, 0.0));
+    for step in 0..setup.steps() {
+        let lights = origin.lights(setup.target, step as f64 * TICK);
+        let lights = &lights[..setup.target.map_or(0, |target| target.lights())];
+        sense(creature, lights, circuit);
+        let activations = circuit.tick();
+        let effort: f64 =
+            creature.strengths().iter().zip(activations).map(|(most, share)| most * share).sum();
+        creature.step(activations)?;
+        let effort = if strength > 0.0 { effort / strength } else { 0.0 };
+        let before = record.last().yaw;
+        record.moments.push(origin.moment(creature, setup.target, effort, before));
+        if setup.end.is_met(&record.moments[1..]) {
+            record.ended = true;
+            break;
+        }
+    }
+    Ok(())
+}
+
+fn sense<L: Living>(creature: &L, lights: &[Light], circuit: &mut Circuit) {
+    creature.feel(circuit.lengths_mut());
+    creature.see(lights, circuit.photos_mut());
+    let state = creature.state();
+    for (sensor, signal) in Sensor::ALL.into_iter().zip(circuit.sensors_mut()) {
+        *signal = match sensor {
+            Sensor::Tilt => 0.5 * (1.0 + state.up),
+        };
+    }
+}
+
+impl Origin {
+    fn of(state: &State) -> Origin {
+        let half = 0.5 * state.heading;
+        Origin {
+            point: state.centre.with_z(0.0),
+            heading: state.heading,
+            rotation: DQuat::from_xyzw(0.0, 0.0, sin(half), cos(half)),
+        }
+    }
+
+    fn to_world(self, position: DVec3) -> DVec3 {
+        self.point + self.rotation * position
+    }
+
+    fn to_start(self, position: DVec3) -> DVec3 {
+        self.rotation.inverse() * (position - self.point)
+    }
+
+    /// The lights of a target after so many seconds; those that it has are in front.
+    fn lights(&self, target: Option<Target>, seconds: f64) -> [Light; LIGHTS_MAX] {
+        let mut lights = [Light::default(); LIGHTS_MAX];
+        if let Some(target) = target {
+            for (index, light) in lights.iter_mut().enumerate().take(target.lights()) {
+                let position = self.to_world(target.light(index, seconds));
+                *light = Light { position, strength: LIGHT_STRENGTH };
+            }
+        }
+        lights
+    }
+
+    /// What is recorded of a state. `yaw` is that of the moment before, from which a turn is unwrapped.
+    fn moment<L: Living>(&self, creature: &L, target: Option<Target>, effort: f64, yaw: f64) -> Moment {
+        let state = creature.state();
+        let to_target = target.map(|target| (self.to_world(target.centre()) - state.centre).with_z(0.0));
+        let bearing = |way: DVec3| wrap_angle(atan2(way.y, way.x) - state.heading);
+        Moment {
+            position: self.to_start(state.centre),
+            speed: state.velocity.length(),
+            yaw: yaw + wrap_angle(state.heading - self.heading - yaw),
+            up: state.up,
+            top: state.top,
+            ground_force: state.ground_force / creature.weight(),
+            light_distance: to_target.map_or(0.0, DVec3::length),
+            light_angle: to_target.map_or(0.0, bearing),
+            effort,
+            touched: state.touches,
+        }
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests;
