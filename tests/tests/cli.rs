@@ -250,6 +250,7 @@ fn ctrl_c_commits_says_how_to_resume_and_exits_with_130() {
 #[test]
 fn a_client_submits_watches_pauses_resumes_and_cancels() {
     let service = Hatchery::with_workers(2);
+    service.wait_attached(2);
     let folder = service.folder();
     std::fs::write(folder.join("experiment.toml"), walkers("crawler", "grn", 43, 40, 20)).expect("writable");
     let client = |arguments: &[&str]| {
