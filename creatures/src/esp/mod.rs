@@ -3,11 +3,17 @@
 
 pub mod body;
 pub mod brain;
+pub mod creature;
 pub mod encapsulation;
+pub mod energy;
 pub mod examination;
+pub mod eye;
+pub mod fault;
 pub mod fitness;
 pub mod key;
+pub mod muscle;
 pub mod pandemonium;
+pub mod physics;
 pub mod syllabus;
 pub mod trial;
 pub mod variation;
