@@ -10,6 +10,7 @@ pub mod examination;
 pub mod eye;
 pub mod fault;
 pub mod fitness;
+pub mod genotype;
 pub mod key;
 pub mod muscle;
 pub mod pandemonium;
@@ -17,3 +18,5 @@ pub mod physics;
 pub mod syllabus;
 pub mod trial;
 pub mod variation;
+
+pub use genotype::Genotype;
