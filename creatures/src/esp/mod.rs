@@ -6,8 +6,11 @@ pub mod brain;
 pub mod encapsulation;
 pub mod examination;
 pub mod fitness;
+pub mod genotype;
 pub mod key;
 pub mod pandemonium;
 pub mod syllabus;
 pub mod trial;
 pub mod variation;
+
+pub use genotype::Genotype;
