@@ -1,5 +1,7 @@
 //! What is seen of every system's lives: the proofs of the fingerprint, watched.
 
+#![allow(clippy::unwrap_used, reason = "a test that unwraps says where it failed")]
+
 use creatures::record::{Header, Keeper, Pose, Recording, Shape, Shot, Subject};
 use creatures::{Nobody, Outcome, Proof, System, systems};
 
