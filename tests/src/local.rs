@@ -1,7 +1,7 @@
 //! An experiment evaluated in this process, one individual after the other: no fleet, no database, no stream.
 //! What it gives is what every distributed run must give.
 
-use creatures::{Cull, Outcome, Status};
+use creatures::{Cull, Nobody, Outcome, Status};
 use search::hash::{HashRow, LineageHasher};
 use search::{Experiment, Individual, Overrides, Place};
 
@@ -82,7 +82,7 @@ fn run_alone(experiment: &Experiment, run: u32) -> Vec<Lived> {
                 Some(from) if from.generation == generation => outcomes[from.index as usize].clone(),
                 Some(from) => previous[from.index as usize].clone(),
                 None => {
-                    let outcome = task.evaluate(&individual.genotype, seed, cull.as_ref(), &mut |_| {});
+                    let outcome = task.evaluate(&individual.genotype, seed, cull.as_ref(), &mut Nobody);
                     Some(outcome.expect("a search makes legal genotypes"))
                 }
             };

@@ -6,6 +6,7 @@ use crate::config::Hands;
 use crate::reports::{Attempt, Evaluation, Failure, News, Outbox, Report};
 use crate::tasks::{chain, words};
 use crate::window::Pace;
+use creatures::{Interim, Observer};
 use std::collections::{BTreeSet, VecDeque};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard};
@@ -212,7 +213,7 @@ impl Shared {
         let mut ended = None;
         while let Some(evaluation) = self.next(slot, ended) {
             let start = Instant::now();
-            let news = live(&evaluation, &mut |interim| {
+            let news = live(&evaluation, &mut |interim: Interim| {
                 let seconds = start.elapsed().as_secs_f64();
                 self.tell(
                     slot,
@@ -286,10 +287,10 @@ impl Shared {
 }
 
 /// Lives one genotype. Whatever goes wrong is told, never passed on: a panic costs its evaluation alone.
-fn live(evaluation: &Evaluation, on_interim: &mut dyn FnMut(creatures::Interim)) -> News {
+fn live(evaluation: &Evaluation, observer: &mut dyn Observer) -> News {
     let Evaluation { task, genotype, seed, cull, .. } = evaluation;
     let failure = |reason, last| News::Failure(Failure { reason, last });
-    match catch_unwind(AssertUnwindSafe(|| task.evaluate(genotype, *seed, cull.as_ref(), on_interim))) {
+    match catch_unwind(AssertUnwindSafe(|| task.evaluate(genotype, *seed, cull.as_ref(), observer))) {
         Ok(Ok(outcome)) => match proto::convert::admissible(&outcome) {
             Ok(()) => News::Outcome(outcome),
             Err(error) => failure(format!("outcome: {error}"), true),

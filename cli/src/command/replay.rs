@@ -2,7 +2,7 @@
 //! bit of its fitness with what was recorded. It writes nothing.
 
 use anyhow::{Context, anyhow};
-use creatures::{Cull, Outcome, Status};
+use creatures::{Cull, Nobody, Outcome, Status};
 use proto::v1::IndividualReply;
 use serde_json::json;
 
@@ -82,7 +82,7 @@ fn live(recorded: &IndividualReply) -> Result<Outcome, Failure> {
     let cull =
         recorded.cull.as_ref().map(|cull| Cull { at: cull.at, cutoff: cull.cutoff, control: cull.control });
     let outcome = task
-        .evaluate(&genotype.payload, recorded.seed, cull.as_ref(), &mut |_| {})
+        .evaluate(&genotype.payload, recorded.seed, cull.as_ref(), &mut Nobody)
         .with_context(|| format!("the genotype of individual {id}"))?;
     Ok(outcome)
 }

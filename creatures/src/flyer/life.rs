@@ -7,7 +7,7 @@ use super::skeleton::{grow, intersects_itself, span};
 use super::task::{FlyerTask, Measure};
 use super::{Brain, Genotype};
 use crate::physics::articulated::StepFault;
-use crate::{Cull, Interim, Outcome, Reason, Status, Verdict};
+use crate::{Cull, Interim, Observer, Outcome, Reason, Status, Verdict};
 use glam::DVec3;
 
 /// How far a hinge has to swing to either side of its mean to count as beating, rad: far below any stroke,
@@ -72,7 +72,7 @@ impl<'a> Life<'a> {
     }
 
     /// Steps in the order of F-49: move; then blow-up, fitness, landing, culling.
-    pub(super) fn live(&mut self, cull: Option<&Cull>, on_interim: &mut dyn FnMut(Interim)) -> End {
+    pub(super) fn live(&mut self, cull: Option<&Cull>, observer: &mut dyn Observer) -> End {
         if self.intersects {
             return End::Aborted(Reason::SelfIntersecting, "films cross in the start pose".to_owned());
         }
@@ -104,7 +104,7 @@ impl<'a> Life<'a> {
             if let Some((cull, _)) = cull.filter(|&(_, step)| step == self.steps) {
                 let interim = Interim { step: self.steps, measure: self.measure() };
                 self.interim = Some(interim);
-                on_interim(interim);
+                observer.interim(interim);
                 if cull.verdict(interim.measure) == Verdict::Cull {
                     return End::Culled;
                 }

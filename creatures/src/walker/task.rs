@@ -6,7 +6,7 @@ use super::genotype::Genotype;
 use super::phenotype::{Footing, Phenotype};
 use super::{grn, neat, sensors};
 use crate::math::pow;
-use crate::{Cull, DecodeError, Interim, Outcome, Reason, SpecError, Status, Task, Verdict};
+use crate::{Cull, DecodeError, Interim, Observer, Outcome, Reason, SpecError, Status, Task, Verdict};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -152,11 +152,11 @@ impl Task for WalkerTask {
         genotype: &[u8],
         _seed: u64, // a walker's life draws nothing (G-3)
         cull: Option<&Cull>,
-        on_interim: &mut dyn FnMut(Interim),
+        observer: &mut dyn Observer,
     ) -> Result<Outcome, DecodeError> {
         let genotype = self.read(genotype)?;
         let mut life = Life::new(self, &genotype);
-        let end = life.live(cull, on_interim);
+        let end = life.live(cull, observer);
         Ok(life.outcome(end))
     }
 }
@@ -204,7 +204,7 @@ impl<'a> Life<'a> {
     }
 
     /// Control steps in the order of G-21: sense, decide, drive, move.
-    fn live(&mut self, cull: Option<&Cull>, on_interim: &mut dyn FnMut(Interim)) -> End {
+    fn live(&mut self, cull: Option<&Cull>, observer: &mut dyn Observer) -> End {
         let task = self.task;
         let mut readings = vec![0.0; task.body.inputs()];
         let mut commands = vec![0.0; task.body.degrees()];
@@ -222,7 +222,7 @@ impl<'a> Life<'a> {
                 if let Some((cull, _)) = cull.filter(|&(_, step)| step == self.steps) {
                     let interim = Interim { step: self.steps, measure: self.dis() };
                     self.interim = Some(interim);
-                    on_interim(interim);
+                    observer.interim(interim);
                     if cull.verdict(interim.measure) == Verdict::Cull {
                         return End::Culled;
                     }

@@ -2,14 +2,14 @@
 //! knows no task.
 
 use crate::fish::mechanics::Fault;
-use crate::{Cull, Interim, Outcome, Reason, Status, Verdict};
+use crate::{Cull, Interim, Observer, Outcome, Reason, Status, Verdict};
 
 /// Watches one evaluation.
 pub(in crate::fish) struct Watch<'a> {
     /// Steps done.
     pub(in crate::fish) steps: u32,
     cull: Option<(&'a Cull, u32)>,
-    on_interim: &'a mut dyn FnMut(Interim),
+    observer: &'a mut dyn Observer,
     interim: Option<Interim>,
 }
 
@@ -31,10 +31,10 @@ impl<'a> Watch<'a> {
     pub(in crate::fish) fn new(
         steps: u32,
         cull: Option<&'a Cull>,
-        on_interim: &'a mut dyn FnMut(Interim),
+        observer: &'a mut dyn Observer,
     ) -> Watch<'a> {
         let cull = cull.map(|cull| (cull, ((cull.at * f64::from(steps)) as u32).max(1)));
-        Watch { steps: 0, cull, on_interim, interim: None }
+        Watch { steps: 0, cull, observer, interim: None }
     }
 
     /// Counts a step, and makes the interim report if it is due.
@@ -48,7 +48,7 @@ impl<'a> Watch<'a> {
         };
         let interim = Interim { step: self.steps, measure: measure() };
         self.interim = Some(interim);
-        (self.on_interim)(interim);
+        self.observer.interim(interim);
         if cull.verdict(interim.measure) == Verdict::Cull { Err(End::Culled) } else { Ok(()) }
     }
 
