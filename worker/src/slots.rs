@@ -243,7 +243,7 @@ impl Shared {
             let took = takes(&evaluation.genotype, evaluation.seed);
             tokio::time::sleep(took).await;
             let (attempt, seconds) = (evaluation.attempt, took.as_secs_f64());
-            let news = live(&evaluation, &mut |interim| {
+            let news = live(&evaluation, &mut |interim: Interim| {
                 self.tell(slot, Report { attempt, seconds, news: News::Interim(interim) });
             });
             if self.lock().hand_in(slot, Report { attempt, seconds, news }) {

@@ -173,8 +173,12 @@ async fn generation(
 /// An outcome must be what evaluating it here gives, to the bit.
 fn check(of: &Undisturbed, evaluation: &Evaluation, settled: Settled) -> Result<Outcome, Box<dyn Error>> {
     let outcome = settled.result.map_err(|aside| format!("evaluation {}: {aside}", settled.id))?;
-    let here =
-        of.task.evaluate(&evaluation.genotype, evaluation.seed, evaluation.cull.as_ref(), &mut |_| {})?;
+    let here = of.task.evaluate(
+        &evaluation.genotype,
+        evaluation.seed,
+        evaluation.cull.as_ref(),
+        &mut creatures::Nobody,
+    )?;
     if outcome.digest() != here.digest() {
         return Err(format!("evaluation {}: {outcome:?} is not {here:?}", settled.id).into());
     }
