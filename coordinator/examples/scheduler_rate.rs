@@ -28,7 +28,15 @@ fn rate(workers: u32, queues: usize) -> f64 {
         .map(|number| {
             let name = format!("worker-{number}");
             let (host, version) = ("here".to_owned(), "1".to_owned());
-            let hello = Hello { name, host, version, slots: 2, window: 128, holding: vec![] };
+            let hello = Hello {
+                name,
+                host,
+                version,
+                slots: 2,
+                window: 128,
+                holding: vec![],
+                labels: Default::default(),
+            };
             scheduler.attach(hello, Millis(0)).expect("names differ")
         })
         .collect();

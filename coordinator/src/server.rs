@@ -3,6 +3,7 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
+use proto::dial::FRAME_SIZE_MAX;
 use tokio::net::TcpListener;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{broadcast, oneshot};
@@ -10,6 +11,7 @@ use tokio::task::JoinHandle;
 use tonic::transport::Server;
 use tonic::transport::server::TcpIncoming;
 
+use crate::credentials::{Credentials, FolderError, Guard};
 use crate::driver::{Driver, ResumeError};
 use crate::fleet::{Change, Fleet, FleetSettings};
 use crate::lineage::{Lineage, OpenError};
@@ -22,10 +24,13 @@ use crate::{Config, service};
 pub enum StartError {
     /// Anybody could reach it.
     #[error(
-        "{0} can be reached from other machines, and connections are not encrypted: listen on a loopback address, \
-         or say --allow-insecure on a private network"
+        "{0} can be reached from other machines: make credentials with `hatchery-coordinator init` and name them with \
+         --credentials DIR, or listen on a loopback address"
     )]
     Insecure(SocketAddr),
+    /// The credentials cannot be used.
+    #[error("cannot use the credentials")]
+    Credentials(#[from] FolderError),
     /// The lineage cannot be used.
     #[error(transparent)]
     Lineage(#[from] OpenError),
@@ -70,9 +75,10 @@ pub struct Running {
 /// # Errors
 /// An address beyond this machine, a lineage that cannot be opened, an address that is taken.
 pub async fn start(config: Config) -> Result<Running, StartError> {
-    if !config.listen.ip().is_loopback() && !config.allow_insecure {
+    if !config.listen.ip().is_loopback() && config.credentials.is_none() {
         return Err(StartError::Insecure(config.listen));
     }
+    let credentials = config.credentials.as_deref().map(Credentials::open).transpose()?;
     let lineage = Lineage::open(&config.db).await?;
     let listen_error = |source| StartError::Listen { address: config.listen, source };
     let listener = TcpListener::bind(config.listen).await.map_err(listen_error)?;
@@ -101,8 +107,14 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
         .build_v1()
         .expect("the descriptors are those that the build compiled");
     let (stop, stopped) = oneshot::channel::<()>();
-    let router = Server::builder()
-        .max_frame_size(Some(128 << 10))
+    let (tls, keyring) = credentials.map(|Credentials { tls, keyring }| (tls, keyring)).unzip();
+    let mut server = Server::builder();
+    if let Some(tls) = tls {
+        server = server.tls_config(tls)?;
+    }
+    let router = server
+        .layer(Guard(keyring))
+        .max_frame_size(Some(FRAME_SIZE_MAX))
         .http2_keepalive_interval(Some(Duration::from_secs(5)))
         .http2_keepalive_timeout(Some(Duration::from_secs(10)))
         .add_service(health_service)
@@ -120,7 +132,8 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
         write_whole(path, &address.to_string())
             .map_err(|source| StartError::AddressFile { path: path.clone(), source })?;
     }
-    tracing::info!(%address, db = %config.db.display(), "listening");
+    let credentials = config.credentials.as_deref().map(|folder| folder.display());
+    tracing::info!(%address, db = %config.db.display(), credentials = credentials.map(tracing::field::display), "listening");
     Ok(Running { address, stop, server, driver, fleet, lineage })
 }
 

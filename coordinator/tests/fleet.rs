@@ -68,6 +68,7 @@ fn hello(name: &str, slots: u32, window: u32) -> v1::Hello {
         window,
         lineage: Bytes::new(),
         holding: vec![],
+        labels: Default::default(),
     }
 }
 

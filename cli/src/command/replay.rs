@@ -13,7 +13,7 @@ use crate::exit::Failure;
 use crate::render::{Output, number};
 
 pub(super) async fn replay(arguments: AskIndividual, output: Output) -> Result<(), Failure> {
-    let connection = Connection::open(&Source::of(&arguments.ask)).await?;
+    let connection = Connection::open(&Source::of(&arguments.ask)?).await?;
     let recorded = fetch(&connection, arguments.individual).await?;
     let id = recorded.id;
     let (recorded, lived) =

@@ -79,6 +79,8 @@ pub enum Loss {
     Stalled,
     /// It broke the protocol.
     Misspoke,
+    /// Its token is good no more.
+    Expelled,
 }
 
 impl Loss {
@@ -92,6 +94,7 @@ impl Loss {
             Loss::Replaced => "attached anew",
             Loss::Stalled => "took no messages",
             Loss::Misspoke => "broke the protocol",
+            Loss::Expelled => "its token ended",
         }
     }
 

@@ -260,6 +260,7 @@ impl Rig {
             slots,
             window,
             holding: holding.clone(),
+            labels: BTreeMap::new(),
         };
         let id = self.scheduler.attach(hello, self.now).expect("the rig attaches nobody twice");
         self.hands.insert(name, Hand { id: Some(id), slots, window, held: holding, ..Hand::default() });

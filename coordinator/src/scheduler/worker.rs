@@ -24,6 +24,8 @@ pub struct Hello {
     pub window: u32,
     /// Attempts that it still runs, or whose reports it still holds.
     pub holding: Vec<AttemptId>,
+    /// What its starter says of it.
+    pub labels: BTreeMap<String, String>,
 }
 
 /// What a worker is up to.
@@ -77,6 +79,8 @@ pub struct WorkerInfo {
     pub attached: Millis,
     /// When it was last heard of.
     pub heard: Millis,
+    /// What its starter says of it.
+    pub labels: BTreeMap<String, String>,
 }
 
 /// An evaluation handed to this worker.
@@ -96,6 +100,7 @@ pub(super) struct Worker {
     pub(super) name: Arc<str>,
     host: String,
     version: String,
+    labels: BTreeMap<String, String>,
     slots: u32,
     pub(super) window: u32,
     /// Leases by seat, a number that counts up as they are handed out: a worker works in that order. The
@@ -134,6 +139,7 @@ impl Worker {
             name: hello.name.into(),
             host: hello.host,
             version: hello.version,
+            labels: hello.labels,
             slots: hello.slots.max(1),
             window: hello.window.max(1),
             running: BTreeMap::new(),
@@ -210,6 +216,7 @@ impl Worker {
             busy_seconds: self.busy_seconds,
             attached: self.attached,
             heard: self.heard,
+            labels: self.labels.clone(),
         }
     }
 }
