@@ -339,7 +339,7 @@ Examples:
   hatchery sql \"SELECT generation, best FROM v_generations WHERE run = 1\" --json
 
 The views are the documented interface: v_experiments v_stages v_generations v_individuals v_parents
-v_evaluations v_culls v_best v_ancestors v_species v_workers v_checkpoints. The connection can only read;
+v_evaluations v_culls v_best v_ancestors v_species v_workers v_checkpoints v_audits v_events. The connection can only read;
 a statement that would write, attach a file or run for ever is refused or stopped.";
 
 /// `hatchery export`.
@@ -364,7 +364,7 @@ pub(crate) struct Export {
 }
 
 /// The documented views of the lineage.
-const VIEWS: [&str; 12] = [
+const VIEWS: [&str; 14] = [
     "v_experiments",
     "v_stages",
     "v_generations",
@@ -377,6 +377,8 @@ const VIEWS: [&str; 12] = [
     "v_species",
     "v_workers",
     "v_checkpoints",
+    "v_audits",
+    "v_events",
 ];
 
 const EXPORT_HELP: &str = "\

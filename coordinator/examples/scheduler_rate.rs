@@ -63,6 +63,8 @@ fn rate(workers: u32, queues: usize) -> f64 {
                 genotype: genotype.clone(),
                 seed: index,
                 cull: None,
+                audit: false,
+                attempts_before: 0,
             });
             scheduler.submit(*queue, evaluations.collect());
         }
@@ -80,6 +82,7 @@ fn rate(workers: u32, queues: usize) -> f64 {
                     }
                     Order::Deliver { settled, .. } => settled_count += settled.len(),
                     Order::Dismiss { .. } => unreachable!("nobody is silent"),
+                    Order::Quarantine(_) => unreachable!("nothing is audited"),
                 }
             }
             // Heartbeats come in between.

@@ -3,7 +3,9 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
+use creatures::Outcome;
 use proto::dial::FRAME_SIZE_MAX;
+use serde_json::json;
 use tokio::net::TcpListener;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{broadcast, oneshot};
@@ -13,8 +15,8 @@ use tonic::transport::server::TcpIncoming;
 
 use crate::credentials::{Credentials, FolderError, Guard};
 use crate::driver::{Driver, ResumeError};
-use crate::fleet::{Change, Fleet, FleetSettings};
-use crate::lineage::{Lineage, OpenError};
+use crate::fleet::{Change, Fleet, FleetSettings, Quarantine, SetAside};
+use crate::lineage::{Event, Lineage, OpenError};
 use crate::service::experiments::ExperimentsService;
 use crate::service::lineage::LineageService;
 use crate::{Config, service};
@@ -92,6 +94,7 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         fingerprint,
         lineage: lineage.identity(),
+        quarantined: lineage.reader().quarantined().await.map_err(ResumeError::Read)?,
     });
     tokio::spawn(note_workers(fleet.changes(), lineage.clone()));
     let driver = Driver::start(lineage.clone(), fleet.clone(), fingerprint).await?;
@@ -181,6 +184,13 @@ async fn note_workers(mut changes: broadcast::Receiver<Change>, lineage: Lineage
                 tracing::info!(worker = name, reason, "worker left");
                 lineage.worker_left(name, reason.to_owned()).await
             }
+            Ok(Change::Quarantined(verdict)) => {
+                let event = denunciation(&verdict);
+                match lineage.worker_quarantined(verdict.worker).await {
+                    Ok(()) => lineage.event(event).await,
+                    Err(closed) => Err(closed),
+                }
+            }
             Err(RecvError::Lagged(missed)) => {
                 tracing::warn!(missed, "comings and goings of workers were not written down");
                 Ok(())
@@ -190,6 +200,35 @@ async fn note_workers(mut changes: broadcast::Receiver<Change>, lineage: Lineage
         if written.is_err() {
             return; // The lineage is closed; so will be the fleet.
         }
+    }
+}
+
+/// A quarantine as an event of the service.
+fn denunciation(verdict: &Quarantine) -> Event {
+    let side = |found: &Result<Outcome, SetAside>| match found {
+        Ok(outcome) => json!({
+            "fitness": outcome.fitness,
+            "fitness_bits": format!("{:016x}", outcome.fitness.to_bits()),
+            "steps": outcome.steps,
+        }),
+        Err(aside) => json!({ "failed": aside.reason }),
+    };
+    Event {
+        experiment: None,
+        kind: "quarantine".to_owned(),
+        text: format!(
+            "worker `{}` found other bits than `{}` for evaluation {}, and is trusted no more",
+            verdict.worker,
+            verdict.witnesses.join("` and `"),
+            verdict.evaluation
+        ),
+        data: json!({
+            "worker": verdict.worker,
+            "evaluation": verdict.evaluation,
+            "found": side(&verdict.found),
+            "against": side(&verdict.against),
+            "witnesses": verdict.witnesses,
+        }),
     }
 }
 

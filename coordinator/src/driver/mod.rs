@@ -4,6 +4,7 @@
 mod conduct;
 mod generation;
 mod progress;
+mod redo;
 mod submit;
 
 pub use progress::{Counts, Ended, Happening, Progress, RunProgress, Tally};
@@ -176,6 +177,13 @@ impl Driver {
         }
         if self.shared.fleet.summary().borrow().slots == 0 {
             return "no worker is attached: start one with `hatchery-worker --coordinator URL`".to_owned();
+        }
+        let fleet = *self.shared.fleet.summary().borrow();
+        if fleet.disputed > 0 && fleet.disputed == fleet.ready && fleet.in_flight == 0 {
+            return format!(
+                "workers differ on {} evaluation(s), and another one must decide: start one more",
+                fleet.disputed
+            );
         }
         String::new()
     }

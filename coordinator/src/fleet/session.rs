@@ -213,6 +213,8 @@ mod tests {
                 genotype: genotype.clone(),
                 seed: id,
                 cull: None,
+                audit: false,
+                attempts_before: 0,
             },
         };
         (0..count).map(one).collect()

@@ -35,6 +35,8 @@ pub enum WorkerState {
     Attached,
     /// Finishes what it runs and takes nothing new.
     Draining,
+    /// Found other bits than two others, and is trusted no more; attached or not.
+    Quarantined,
     /// Is attached no more.
     Gone,
 }
@@ -45,6 +47,7 @@ impl WorkerState {
         match self {
             WorkerState::Attached => "attached",
             WorkerState::Draining => "draining",
+            WorkerState::Quarantined => "quarantined",
             WorkerState::Gone => "gone",
         }
     }
@@ -111,6 +114,8 @@ pub(super) struct Worker {
     pub(super) attached: Millis,
     pub(super) heard: Millis,
     pub(super) draining: bool,
+    /// Is trusted no more.
+    pub(super) quarantined: bool,
     /// A suspect that it must have for itself alone: nothing else is handed to it until that has ended.
     pub(super) reserved: Option<u64>,
     pub(super) completed: u64,
@@ -148,6 +153,7 @@ impl Worker {
             attached: now,
             heard: now,
             draining: false,
+            quarantined: false,
             reserved: None,
             completed: 0,
             lost: 0,
@@ -196,9 +202,14 @@ impl Worker {
         Load(((self.lease_count() as u64) << 16) / u64::from(self.slots))
     }
 
+    /// Whether it is there to be handed anything at all.
+    pub(super) fn takes(&self) -> bool {
+        !self.draining && !self.quarantined
+    }
+
     /// Whether it can be handed another evaluation that does not ask for solitude.
     pub(super) fn can_take_more(&self) -> bool {
-        !self.draining && self.reserved.is_none() && self.lease_count() < self.window as usize
+        self.takes() && self.reserved.is_none() && self.lease_count() < self.window as usize
     }
 
     pub(super) fn info(&self) -> WorkerInfo {
@@ -209,7 +220,11 @@ impl Worker {
             version: self.version.clone(),
             slots: self.slots,
             window: self.window,
-            state: if self.draining { WorkerState::Draining } else { WorkerState::Attached },
+            state: match self {
+                Worker { quarantined: true, .. } => WorkerState::Quarantined,
+                Worker { draining: true, .. } => WorkerState::Draining,
+                _ => WorkerState::Attached,
+            },
             in_flight: self.lease_count() as u32,
             completed: self.completed,
             lost: self.lost,
