@@ -9,7 +9,7 @@ use serde_json::json;
 use tokio::net::TcpListener;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{broadcast, oneshot};
-use tokio::task::JoinHandle;
+use tokio::task::{JoinHandle, JoinSet};
 use tonic::transport::Server;
 use tonic::transport::server::TcpIncoming;
 
@@ -65,8 +65,11 @@ pub enum StartError {
 /// A coordinator at work. Dropping it stops the server without a goodbye, as a kill would.
 pub struct Running {
     address: SocketAddr,
+    metrics: Option<SocketAddr>,
     stop: oneshot::Sender<()>,
     server: JoinHandle<Result<(), tonic::transport::Error>>,
+    /// Ends when this is dropped.
+    scrapes: JoinSet<()>,
     driver: Driver,
     fleet: Fleet,
     lineage: Lineage,
@@ -98,6 +101,15 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
     });
     tokio::spawn(note_workers(fleet.changes(), lineage.clone()));
     let driver = Driver::start(lineage.clone(), fleet.clone(), fingerprint).await?;
+
+    let mut scrapes = JoinSet::new();
+    let mut metrics = None;
+    if let Some(address) = config.metrics {
+        let refused = |source| StartError::Listen { address, source };
+        let listener = TcpListener::bind(address).await.map_err(refused)?;
+        metrics = Some(listener.local_addr().map_err(refused)?);
+        scrapes.spawn(crate::metrics::serve(listener, driver.clone(), config.db.clone()));
+    }
 
     let (health, health_service) = tonic_health::server::health_reporter();
     health.set_service_status("", tonic_health::ServingStatus::Serving).await;
@@ -135,15 +147,21 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
         write_whole(path, &address.to_string())
             .map_err(|source| StartError::AddressFile { path: path.clone(), source })?;
     }
-    let credentials = config.credentials.as_deref().map(|folder| folder.display());
-    tracing::info!(%address, db = %config.db.display(), credentials = credentials.map(tracing::field::display), "listening");
-    Ok(Running { address, stop, server, driver, fleet, lineage })
+    let credentials = config.credentials.as_deref().map(|folder| folder.display().to_string());
+    let scraped = metrics.map(|address| address.to_string());
+    tracing::info!(%address, db = %config.db.display(), metrics = scraped, credentials, "listening");
+    Ok(Running { address, metrics, stop, server, scrapes, driver, fleet, lineage })
 }
 
 impl Running {
     /// The address listened on.
     pub fn address(&self) -> SocketAddr {
         self.address
+    }
+
+    /// Where metrics are read, if that was asked for.
+    pub fn metrics(&self) -> Option<SocketAddr> {
+        self.metrics
     }
 
     /// The experiments, for those who embed a coordinator.
@@ -153,7 +171,8 @@ impl Running {
 
     /// Stops handing out, commits what has arrived, says goodbye to the workers, closes the lineage.
     /// Experiments stay `running` in it and are taken up at the next start.
-    pub async fn shutdown(self) {
+    pub async fn shutdown(mut self) {
+        self.scrapes.shutdown().await;
         self.driver.stop().await;
         self.fleet.goodbye().await;
         let _ = self.stop.send(());

@@ -5,7 +5,7 @@
 use bytes::Bytes;
 use coordinator::fleet::{Evaluation, Fate, Fleet, FleetSettings, Queue, QueueOutput, Settled, TaskText};
 use coordinator::service;
-use creatures::{Outcome, Status as Ending};
+use creatures::{Nobody, Outcome, Status as Ending};
 use proto::v1::coordinator_message::Kind as Told;
 use proto::v1::evaluate_reply::What as Answer;
 use proto::v1::evaluate_request::What as Ask;
@@ -487,7 +487,7 @@ async fn evaluate_all(mut a: Raw) {
                     let what = if one.genotype.is_empty() {
                         What::Failure(v1::Failure { reason: "too short to live".to_owned(), r#final: true })
                     } else {
-                        let lived = task.evaluate(&one.genotype, one.seed, cull.as_ref(), &mut |_| {});
+                        let lived = task.evaluate(&one.genotype, one.seed, cull.as_ref(), &mut Nobody);
                         What::Outcome(lived.unwrap().into())
                     };
                     a.report(attempt, what).await;
@@ -534,7 +534,7 @@ async fn the_bare_service_answers_each_genotype_by_its_id() {
     assert_eq!(answers.len(), 4);
     let task = creatures::system("probe").unwrap().task(r#"{"work":3}"#).unwrap();
     for genotype in [b"one", b"two"] {
-        let lived = Answer::Outcome(task.evaluate(genotype, 5, None, &mut |_| {}).unwrap().into());
+        let lived = Answer::Outcome(task.evaluate(genotype, 5, None, &mut Nobody).unwrap().into());
         assert!(answers.contains(&(11, lived)));
     }
     assert!(answers.contains(&(12, Answer::Error("set aside: too short to live".to_owned()))));

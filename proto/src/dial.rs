@@ -160,6 +160,18 @@ impl Address {
         Ok(InterceptedService::new(channel, self.show.clone()))
     }
 
+    /// Dials in another way than over TCP: for a network that is simulated.
+    ///
+    /// # Errors
+    /// When nobody answers.
+    pub async fn connect_through<D>(&self, dial: impl FnOnce(Endpoint) -> D) -> Result<Line, DialError>
+    where
+        D: Future<Output = Result<Channel, tonic::transport::Error>>,
+    {
+        let channel = dial(self.endpoint.clone()).await.map_err(|source| self.explain(source))?;
+        Ok(InterceptedService::new(channel, self.show.clone()))
+    }
+
     /// Gives a line that dials when it is first used, and again when it breaks.
     pub fn connect_lazy(&self) -> Line {
         InterceptedService::new(self.endpoint.connect_lazy(), self.show.clone())

@@ -33,18 +33,99 @@ use serde::{Deserialize, Serialize};
 /// generational, and a missing outcome blocks rather than being guessed (walker G-76). The order of
 /// individuals is the contract: outcome `i` belongs to individual `i`.
 pub trait Search: Send {
-    /// The individuals of the next generation in order of index; empty when the search is over.
+    /// The individuals of the next generation in order of index; empty when the search is over, or when it
+    /// waits for a pick ([`Search::choice`]).
     ///
     /// A pure function of the search's state: a search restored from its checkpoint asks for the same.
     fn ask(&mut self) -> Vec<Individual>;
+
+    /// The stage of the generation last asked for. Its number never falls, and the generations of each stage
+    /// count from 1.
+    fn stage(&self) -> Stage {
+        Stage::default() // most searches are one stage on the experiment's task
+    }
 
     /// Takes the outcomes of the generation last asked for, in order of index, and says what it made of
     /// them. An individual that the service had to set aside comes as `None` and counts as fitness 0.
     fn tell(&mut self, outcomes: &[Option<Outcome>]) -> Record;
 
-    /// All that the search needs to go on from here: taken after `tell` (or before the first `ask`), given
-    /// back to the registry's `restore`.
+    /// All that the search needs to go on from here: taken after `tell` or `pick` (or before the first `ask`),
+    /// given back to the registry's `restore`.
     fn checkpoint(&self) -> Vec<u8>;
+
+    /// What is to be picked from before the search asks for more, at the end of a stage.
+    fn choice(&self) -> Option<Choice> {
+        None // most searches pick nobody
+    }
+
+    /// Goes on with one of the candidates of [`Search::choice`].
+    ///
+    /// # Errors
+    /// No pick is awaited, or the place is none of the candidates' (ESP EF-14); nothing changes.
+    fn pick(&mut self, place: Place) -> Result<(), PickError> {
+        let _ = place; // nothing is awaited
+        Err(PickError::NotAwaited)
+    }
+
+    /// Why the search cannot go on; it then asks for nothing more (ESP E-82).
+    fn failure(&self) -> Option<String> {
+        None // most searches come to their end
+    }
+}
+
+/// One stage of a search, as the lineage names it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Stage {
+    /// From 0: the `stage` of its places.
+    pub number: u32,
+    /// What it is for; empty where there is one alone.
+    pub name: String,
+    /// How many generations it takes; none where the plan says it ([`registry::Plan::generations`]).
+    pub generations: Option<u32>,
+    /// The resolved task of its evaluations; none for the experiment's.
+    pub task: Option<serde_json::Value>,
+}
+
+/// Candidates at the end of a stage, best first; never empty.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Choice {
+    /// Who picks.
+    pub by: PickedBy,
+    /// Best first.
+    pub candidates: Vec<Candidate>,
+}
+
+/// Who picks the creature that goes on (ESP E-82).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PickedBy {
+    /// Nobody: the best goes on.
+    #[default]
+    Best,
+    /// A person.
+    Human,
+}
+
+/// An individual that may be picked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// Where it stands.
+    pub place: Place,
+    /// Its fitness.
+    pub fitness: f64,
+    /// What a person wants to know of it: a flat JSON object.
+    pub notes: serde_json::Map<String, serde_json::Value>,
+}
+
+/// Why a pick was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum PickError {
+    /// The search is not at such a point.
+    #[error("no pick is awaited")]
+    NotAwaited,
+    /// It is at one, and this is no candidate.
+    #[error("the individual at stage {}, generation {}, index {} is no candidate", .0.stage, .0.generation, .0.index)]
+    NoCandidate(Place),
 }
 
 /// One individual as a search asks for it.

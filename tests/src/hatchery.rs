@@ -33,6 +33,8 @@ pub struct Hatchery {
     /// What its processes log.
     level: &'static str,
     folder: TempDir,
+    /// Heartbeat and timeout, ms.
+    pace: [u32; 2],
 }
 
 impl Hatchery {
@@ -51,20 +53,23 @@ impl Hatchery {
         hatchery
     }
 
+    /// Starts a coordinator on a new lineage that hears of its workers at a pace of its own, milliseconds.
+    pub fn with_heartbeat(heartbeat_ms: u32, timeout_ms: u32) -> Hatchery {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        Hatchery::start(folder, [heartbeat_ms, timeout_ms])
+    }
+
     /// Starts a coordinator in a folder, which may hold a lineage already.
     pub fn in_folder(folder: TempDir) -> Hatchery {
+        Hatchery::start(folder, [HEARTBEAT_MS, TIMEOUT_MS])
+    }
+
+    fn start(folder: TempDir, pace: [u32; 2]) -> Hatchery {
         let any_port = "127.0.0.1:0".parse().expect("an address");
-        let (coordinator, address) = start_coordinator(folder.path(), any_port, None, "info");
+        let (coordinator, address) = start_coordinator(folder.path(), any_port, pace, None, "info");
         let client = Client::new(address);
-        Hatchery {
-            workers: BTreeMap::new(),
-            coordinator,
-            address,
-            client,
-            keeper: None,
-            level: "info",
-            folder,
-        }
+        let (workers, keeper) = (BTreeMap::new(), None);
+        Hatchery { workers, coordinator, address, client, keeper, level: "info", folder, pace }
     }
 
     /// Starts a coordinator behind TLS, on a new lineage, with a token for workers and one for clients.
@@ -77,18 +82,12 @@ impl Hatchery {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let mut keeper = Keeper::found(folder.path());
         let any_port = "127.0.0.1:0".parse().expect("an address");
-        let (coordinator, address) = start_coordinator(folder.path(), any_port, Some(&keeper), level);
+        let pace = [HEARTBEAT_MS, TIMEOUT_MS];
+        let (coordinator, address) = start_coordinator(folder.path(), any_port, pace, Some(&keeper), level);
         keeper.moved(address);
         let client = Client::of(Address::of(keeper.client()));
-        Hatchery {
-            workers: BTreeMap::new(),
-            coordinator,
-            address,
-            client,
-            keeper: Some(keeper),
-            level,
-            folder,
-        }
+        let (workers, keeper) = (BTreeMap::new(), Some(keeper));
+        Hatchery { workers, coordinator, address, client, keeper, level, folder, pace }
     }
 
     /// Who keeps the credentials.
@@ -132,8 +131,9 @@ impl Hatchery {
     /// Starts the coordinator again on the same lineage and address.
     pub fn restart_coordinator(&mut self) {
         self.coordinator.kill();
+        let keeper = self.keeper.as_ref();
         (self.coordinator, _) =
-            start_coordinator(self.folder.path(), self.address, self.keeper.as_ref(), self.level);
+            start_coordinator(self.folder.path(), self.address, self.pace, keeper, self.level);
     }
 
     /// Starts a worker of one slot.
@@ -226,6 +226,7 @@ impl Default for Hatchery {
 fn start_coordinator(
     folder: &Path,
     listen: SocketAddr,
+    pace: [u32; 2],
     keeper: Option<&Keeper>,
     level: &str,
 ) -> (Process, SocketAddr) {
@@ -235,8 +236,8 @@ fn start_coordinator(
     let mut command = Command::new(program("hatchery-coordinator"));
     command.arg("--db").arg(folder.join("lineage.db"));
     command.arg("--listen").arg(listen.to_string()).arg("--address-file").arg(&file);
-    command.arg("--heartbeat-ms").arg(HEARTBEAT_MS.to_string());
-    command.arg("--timeout-ms").arg(TIMEOUT_MS.to_string());
+    command.arg("--heartbeat-ms").arg(pace[0].to_string());
+    command.arg("--timeout-ms").arg(pace[1].to_string());
     command.env("HATCHERY_LOG", level);
     if let Some(keeper) = keeper {
         command.arg("--credentials").arg(keeper.folder());

@@ -5,8 +5,10 @@ use proto::dial::{Address, AddressError};
 use std::collections::BTreeMap;
 use std::fs;
 use std::num::NonZeroUsize;
+use std::pin::Pin;
 use std::thread::available_parallelism;
 use std::time::Duration;
+use tonic::transport::{self, Channel, Endpoint};
 
 /// The most slots that one worker may offer.
 pub const SLOTS_MAX: usize = 4096;
@@ -21,6 +23,19 @@ pub const GRACE: Duration = Duration::from_secs(25);
 
 /// Finds a system by its name.
 pub type Registry = fn(&str) -> Option<&'static dyn System>;
+
+/// Opens the connection to a coordinator.
+pub type Dial = fn(Endpoint) -> Pin<Box<dyn Future<Output = Result<Channel, transport::Error>> + Send>>;
+
+/// What evaluates in a slot.
+#[derive(Debug, Clone, Copy)]
+pub enum Hands {
+    /// A plain thread.
+    Threads,
+    /// A task on the runtime, which takes as long as this says of a genotype and its seed: where time is
+    /// simulated, threads would run ahead of it.
+    Simulated(fn(&[u8], u64) -> Duration),
+}
 
 /// A worker's settings.
 #[derive(Debug, Clone)]
@@ -47,6 +62,10 @@ pub struct Config {
     pub idle_timeout: Option<Duration>,
     /// A worker that leaves gives back what has not ended by then.
     pub grace: Duration,
+    /// How it reaches the coordinator where the network is simulated; over TCP, and TLS, without.
+    pub dial: Option<Dial>,
+    /// What evaluates: threads, unless time is simulated.
+    pub hands: Hands,
 }
 
 /// What is wrong with a worker's settings.
@@ -104,6 +123,8 @@ impl Config {
             time_limit: None,
             idle_timeout: None,
             grace: GRACE,
+            dial: None,
+            hands: Hands::Threads,
         }
     }
 

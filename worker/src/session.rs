@@ -62,20 +62,22 @@ pub enum WorkerError {
 /// # Errors
 /// When the coordinator refuses this worker for good, or never was the one that is meant.
 pub async fn run(config: Config, shutdown: impl Future<Output = ()>) -> Result<(), WorkerError> {
-    let slots = Slots::start(config.slots).map_err(WorkerError::Thread)?;
+    let slots = Slots::start(config.slots, config.hands).map_err(WorkerError::Thread)?;
     let time_limit = config.time_limit.map(|time| Instant::now() + time);
     let mut shutdown = pin!(async {
         tokio::select! {
+            biased; // so that a simulation replays
             () = shutdown => {}
             () = until(time_limit) => tracing::info!("the time limit is over"),
             () = idle(&slots, config.idle_timeout) => tracing::info!("nothing to evaluate for the idle timeout"),
         }
     });
-    let mut backoff = Backoff::new();
+    let mut backoff = Backoff::new(&config.name);
     let mut lineage = Bytes::new();
     let mut told = String::new(); // a coordinator that stays away is worth one line
     loop {
         let end = tokio::select! {
+            biased;
             () = &mut shutdown => return Ok(()),
             attached = attach(&config, &slots, &mut lineage) => match attached {
                 Ok(session) => {
@@ -105,6 +107,7 @@ pub async fn run(config: Config, shutdown: impl Future<Output = ()>) -> Result<(
                 }
                 told = reason;
                 tokio::select! {
+                    biased;
                     () = &mut shutdown => return Ok(()),
                     () = sleep(wait) => {}
                 }
@@ -181,7 +184,11 @@ async fn attach(config: &Config, slots: &Slots, lineage: &mut Bytes) -> Result<S
             .keep_alive_while_idle(true)
     });
     let hello = async {
-        let mut client = FleetClient::new(address.connect().await?)
+        let line = match config.dial {
+            Some(dial) => address.connect_through(dial).await?,
+            None => address.connect().await?,
+        };
+        let mut client = FleetClient::new(line)
             .max_decoding_message_size(MESSAGE_SIZE_MAX)
             .max_encoding_message_size(MESSAGE_SIZE_MAX);
         let window = slots.window();
@@ -278,13 +285,15 @@ impl Session {
             }
             // Once the sending half has closed, the reason is about to come in.
             let sends = (stirred || !self.outgoing.is_empty()) && !self.sender.is_closed();
+            // In a fixed order, so that a simulation replays. What comes in has an end: the window.
             let event = tokio::select! {
-                message = self.incoming.message() => Event::Incoming(message),
-                room = self.sender.reserve(), if sends => Event::Room(room.is_ok()),
-                () = slots.stirred(), if !stirred => Event::Stirred,
-                _ = beat.tick() => Event::Beat,
+                biased;
                 () = &mut shutdown, if !self.draining => Event::Shutdown,
                 () = until(grace_over) => Event::GraceOver,
+                _ = beat.tick() => Event::Beat,
+                room = self.sender.reserve(), if sends => Event::Room(room.is_ok()),
+                message = self.incoming.message() => Event::Incoming(message),
+                () = slots.stirred(), if !stirred => Event::Stirred,
             };
             match event {
                 Event::Incoming(message) => match self.take(message, slots) {

@@ -1,9 +1,12 @@
-//! Slots: plain threads that evaluate one after another from one queue, in its order, behind one lock.
+//! Slots: plain threads that evaluate one after another from one queue, in its order, behind one lock. Where
+//! time is simulated, tasks take their place.
 //! They know no stream; whoever holds one feeds the queue and takes the reports.
 
+use crate::config::Hands;
 use crate::reports::{Attempt, Evaluation, Failure, News, Outbox, Report};
 use crate::tasks::{chain, words};
 use crate::window::Pace;
+use creatures::{Interim, Observer};
 use std::collections::{BTreeSet, VecDeque};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard};
@@ -21,6 +24,8 @@ struct Shared {
     state: Mutex<State>,
     /// Signalled when the queue has grown and a slot waits.
     work: Condvar,
+    /// The same for slots in simulated time.
+    simulated_work: Notify,
     /// Signalled when reports are worth sending, or when the last slot has become idle.
     stirred: Notify,
 }
@@ -46,11 +51,11 @@ struct Running {
 }
 
 impl Slots {
-    /// Starts the threads.
+    /// Starts the threads, or the tasks in their place.
     ///
     /// # Errors
-    /// When the system refuses one.
-    pub(crate) fn start(count: usize) -> io::Result<Self> {
+    /// When the system refuses a thread.
+    pub(crate) fn start(count: usize, hands: Hands) -> io::Result<Self> {
         let state = State {
             queue: VecDeque::new(),
             running: vec![None; count],
@@ -61,11 +66,21 @@ impl Slots {
             busy: Instant::now(),
             closed: false,
         };
-        let shared = Shared { state: Mutex::new(state), work: Condvar::new(), stirred: Notify::new() };
+        let shared = Shared {
+            state: Mutex::new(state),
+            work: Condvar::new(),
+            simulated_work: Notify::new(),
+            stirred: Notify::new(),
+        };
         let slots = Slots { count, shared: Arc::new(shared) };
         for slot in 0..count {
             let shared = Arc::clone(&slots.shared);
-            thread::Builder::new().name(format!("slot-{slot}")).spawn(move || shared.run(slot))?;
+            match hands {
+                Hands::Threads => {
+                    thread::Builder::new().name(format!("slot-{slot}")).spawn(move || shared.run(slot))?;
+                }
+                Hands::Simulated(takes) => drop(tokio::spawn(shared.simulate(slot, takes))),
+            }
         }
         Ok(slots)
     }
@@ -82,6 +97,7 @@ impl Slots {
         } else {
             (0..count).for_each(|_| self.shared.work.notify_one());
         }
+        self.shared.simulated_work.notify_waiters();
     }
 
     /// Adds a report of an evaluation that never got to a slot.
@@ -181,10 +197,18 @@ impl Drop for Slots {
         state.queue.clear();
         drop(state);
         self.shared.work.notify_all();
+        self.shared.simulated_work.notify_waiters();
     }
 }
 
 impl State {
+    /// The next evaluation, which this slot then runs.
+    fn begin(&mut self, slot: usize) -> Option<Evaluation> {
+        let evaluation = self.queue.pop_front()?;
+        self.running[slot] = Some(Running { attempt: evaluation.attempt, wanted: true });
+        Some(evaluation)
+    }
+
     /// Takes a slot's last report. True if it is time to wake somebody.
     fn hand_in(&mut self, slot: usize, report: Report) -> bool {
         self.pace.observe(report.seconds);
@@ -212,7 +236,7 @@ impl Shared {
         let mut ended = None;
         while let Some(evaluation) = self.next(slot, ended) {
             let start = Instant::now();
-            let news = live(&evaluation, &mut |interim| {
+            let news = live(&evaluation, &mut |interim: Interim| {
                 let seconds = start.elapsed().as_secs_f64();
                 self.tell(
                     slot,
@@ -221,6 +245,33 @@ impl Shared {
             });
             let seconds = start.elapsed().as_secs_f64();
             ended = Some(Report { attempt: evaluation.attempt, seconds, news });
+        }
+    }
+
+    /// A slot's whole life in simulated time.
+    async fn simulate(self: Arc<Self>, slot: usize, takes: fn(&[u8], u64) -> Duration) {
+        loop {
+            let more = self.simulated_work.notified(); // from here on, so that no call is missed
+            let next = {
+                let mut state = self.lock();
+                if state.closed {
+                    return;
+                }
+                state.begin(slot)
+            };
+            let Some(evaluation) = next else {
+                more.await;
+                continue;
+            };
+            let took = takes(&evaluation.genotype, evaluation.seed);
+            tokio::time::sleep(took).await;
+            let (attempt, seconds) = (evaluation.attempt, took.as_secs_f64());
+            let news = live(&evaluation, &mut |interim: Interim| {
+                self.tell(slot, Report { attempt, seconds, news: News::Interim(interim) });
+            });
+            if self.lock().hand_in(slot, Report { attempt, seconds, news }) {
+                self.stirred.notify_one();
+            }
         }
     }
 
@@ -248,8 +299,7 @@ impl Shared {
             if state.closed {
                 return None;
             }
-            if let Some(evaluation) = state.queue.pop_front() {
-                state.running[slot] = Some(Running { attempt: evaluation.attempt, wanted: true });
+            if let Some(evaluation) = state.begin(slot) {
                 return Some(evaluation);
             }
             state.waiting_slots += 1;
@@ -260,10 +310,10 @@ impl Shared {
 }
 
 /// Lives one genotype. Whatever goes wrong is told, never passed on: a panic costs its evaluation alone.
-fn live(evaluation: &Evaluation, on_interim: &mut dyn FnMut(creatures::Interim)) -> News {
+fn live(evaluation: &Evaluation, observer: &mut dyn Observer) -> News {
     let Evaluation { task, genotype, seed, cull, .. } = evaluation;
     let failure = |reason, last| News::Failure(Failure { reason, last });
-    match catch_unwind(AssertUnwindSafe(|| task.evaluate(genotype, *seed, cull.as_ref(), on_interim))) {
+    match catch_unwind(AssertUnwindSafe(|| task.evaluate(genotype, *seed, cull.as_ref(), observer))) {
         Ok(Ok(outcome)) => match proto::convert::admissible(&outcome) {
             Ok(()) => News::Outcome(outcome),
             Err(error) => failure(format!("outcome: {error}"), true),

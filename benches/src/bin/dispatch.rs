@@ -6,7 +6,7 @@
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
-use creatures::{System, Task, probe};
+use creatures::{Nobody, System, Task, probe};
 use hatchery_benches::processes::processor_seconds;
 use hatchery_benches::report::Report;
 use hatchery_tests::Hatchery;
@@ -106,7 +106,7 @@ fn bare_threads(work: u32, threads: usize, count: u32) -> f64 {
         for _ in 0..threads {
             scope.spawn(|| {
                 while next.fetch_add(1, Ordering::Relaxed) < count {
-                    task.evaluate(&[0; PAYLOAD_BYTES as usize], 1, None, &mut |_| {}).expect(ANY_BYTES);
+                    task.evaluate(&[0; PAYLOAD_BYTES as usize], 1, None, &mut Nobody).expect(ANY_BYTES);
                 }
             });
         }
@@ -123,7 +123,7 @@ fn seconds_of_work(work: u32) -> f64 {
     let task = probe_task(work);
     let once = || {
         let start = Instant::now();
-        task.evaluate(&[0; PAYLOAD_BYTES as usize], 1, None, &mut |_| {}).expect(ANY_BYTES);
+        task.evaluate(&[0; PAYLOAD_BYTES as usize], 1, None, &mut Nobody).expect(ANY_BYTES);
         start.elapsed().as_secs_f64()
     };
     (0..9).map(|_| once()).fold(f64::INFINITY, f64::min)

@@ -102,6 +102,8 @@ pub struct Settled {
     pub ruling: Option<Ruling>,
     /// What came of its audit, if it was chosen for one.
     pub audit: Option<Audited>,
+    /// Physics steps that it would have lived on, had it not been culled: by the rule's share of the task.
+    pub steps_spared: u64,
     /// The attempts at it by number, the last [`super::ATTEMPTS_KEPT`] of them at least.
     pub attempts: Vec<Attempt>,
 }

@@ -134,6 +134,8 @@ pub enum Order {
         worker: WorkerId,
         /// Why.
         loss: Loss,
+        /// How many leases ended with it.
+        leases: u64,
     },
     /// Tell everybody that a worker is trusted no more.
     Quarantine(Quarantine),
@@ -196,7 +198,7 @@ pub struct Scheduler {
     /// Workers and queues with something in their boxes, and workers to dismiss: this round's orders.
     told: BTreeSet<WorkerId>,
     delivered: BTreeSet<QueueId>,
-    dismissed: Vec<(WorkerId, Loss)>,
+    dismissed: Vec<(WorkerId, Loss, u64)>,
     verdicts: Vec<Quarantine>,
     worker_next: u64,
     queue_next: u64,
@@ -348,9 +350,10 @@ impl Scheduler {
     }
 
     /// A worker is attached no more. Its leases are void, and what it may have been running gets a strike if
-    /// that may have been the cause.
-    pub fn lose(&mut self, worker: WorkerId, loss: Loss, now: Millis) {
-        let Some(state) = self.workers.remove(&worker) else { return };
+    /// that may have been the cause. Gives the number of leases that ended so.
+    pub fn lose(&mut self, worker: WorkerId, loss: Loss, now: Millis) -> u64 {
+        let Some(state) = self.workers.remove(&worker) else { return 0 };
+        let lost_before = state.lost;
         if let Some(load) = state.filed {
             self.free.remove(&(load, worker));
         }
@@ -371,8 +374,10 @@ impl Scheduler {
         if self.gone.len() == GONE_REMEMBERED {
             self.gone.pop_front();
         }
+        let lost = info.lost - lost_before;
         let state = if state.quarantined { WorkerState::Quarantined } else { WorkerState::Gone };
         self.gone.push_back(WorkerInfo { state, in_flight: 0, ..info });
+        lost
     }
 
     /// Lets time pass: workers that were silent for too long, or run one evaluation for too long, are lost.
@@ -411,7 +416,7 @@ impl Scheduler {
         }
         let dismissed = std::mem::take(&mut self.dismissed).into_iter();
         let mut orders: Vec<Order> =
-            dismissed.map(|(worker, loss)| Order::Dismiss { worker, loss }).collect();
+            dismissed.map(|(worker, loss, leases)| Order::Dismiss { worker, loss, leases }).collect();
         for worker in std::mem::take(&mut self.told) {
             let Some(state) = self.workers.get_mut(&worker) else { continue };
             let (revoked, assigned) =
@@ -452,8 +457,8 @@ impl Scheduler {
 
     /// Loses a worker on this side's account.
     fn dismiss(&mut self, worker: WorkerId, loss: Loss, now: Millis) {
-        self.lose(worker, loss, now);
-        self.dismissed.push((worker, loss));
+        let leases = self.lose(worker, loss, now);
+        self.dismissed.push((worker, loss, leases));
     }
 
     /// Puts a worker where its load and window say.

@@ -1,7 +1,7 @@
 //! The worker against a coordinator that does exactly what each test says, over real sockets.
 
 use super::*;
-use creatures::{DecodeError, Interim, Outcome, Proof, SpecError, System, Task};
+use creatures::{DecodeError, Nobody, Observer, Outcome, Proof, SpecError, System, Task};
 use proto::v1::fleet_server::{Fleet, FleetServer};
 use proto::v1::report::What;
 use std::thread;
@@ -47,7 +47,7 @@ impl Task for Actor {
         genotype: &[u8],
         _seed: u64,
         _cull: Option<&Cull>,
-        _on_interim: &mut dyn FnMut(Interim),
+        _observer: &mut dyn Observer,
     ) -> Result<Outcome, DecodeError> {
         let mut fitness = 1.0;
         match genotype {
@@ -236,7 +236,7 @@ async fn an_outcome_is_what_the_function_gives() {
     link.say(Incoming::Task(task.clone())).await;
     link.assign((0..20).map(|evaluation| assignment(evaluation, &task, "dna")).collect()).await;
     let probe = creatures::system("probe").unwrap().task(&task.spec).unwrap();
-    let expected = probe.evaluate(b"dna", 7, None, &mut |_| {}).unwrap();
+    let expected = probe.evaluate(b"dna", 7, None, &mut Nobody).unwrap();
     let mut reports = link.reports(20).await;
     reports.sort_by_key(|(evaluation, _)| *evaluation);
     for (index, (evaluation, what)) in reports.into_iter().enumerate() {
