@@ -12,9 +12,10 @@ pub struct Config {
     /// The address to listen on; port 0 takes a free one
     #[arg(long, value_name = "ADDR", default_value_t = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 7878), env = "HATCHERY_LISTEN")]
     pub listen: SocketAddr,
-    /// Listen beyond this machine although nothing is encrypted and anybody who reaches the port may submit
-    #[arg(long)]
-    pub allow_insecure: bool,
+    /// The folder that `hatchery-coordinator init` made: serve over TLS, and let in who has a token of it. Without
+    /// it only this machine is listened to
+    #[arg(long, value_name = "DIR", env = "HATCHERY_CREDENTIALS")]
+    pub credentials: Option<PathBuf>,
     /// Write the address listened on to a file once it is open, for scripts that use port 0
     #[arg(long, value_name = "FILE")]
     pub address_file: Option<PathBuf>,
@@ -35,7 +36,7 @@ impl Config {
         Config {
             db,
             listen: SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 0),
-            allow_insecure: false,
+            credentials: None,
             address_file: None,
             metrics: None,
             heartbeat_ms: 1000,

@@ -8,7 +8,7 @@ mod session;
 
 pub use crate::lineage::{Attempt, Fate, Joined, Ruling, SetAside};
 pub use crate::scheduler::{
-    Conflict, Evaluation, Millis, Settled, Summary, TaskText, WorkerInfo, WorkerState,
+    Conflict, Evaluation, Millis, Quarantine, Settled, Summary, TaskText, WorkerInfo, WorkerState,
 };
 pub(crate) use counts::Counts;
 pub(crate) use obstacle::Refused;
@@ -34,6 +34,8 @@ pub struct FleetSettings {
     pub fingerprint: [u8; 32],
     /// The lineage's identity: reports that workers hold for another one are void.
     pub lineage: [u8; 16],
+    /// Names of workers that are trusted no more, from before.
+    pub quarantined: Vec<String>,
 }
 
 /// A worker came or went.
@@ -48,6 +50,8 @@ pub enum Change {
         /// Why.
         reason: &'static str,
     },
+    /// It is trusted no more.
+    Quarantined(Quarantine),
 }
 
 /// An evaluation that runs for longer ends its worker's attachment: heartbeats do not show that it hangs.
@@ -95,7 +99,7 @@ impl Fleet {
         // After the goodbye there are no queues: the output of this one has ended.
         let id = id.await.unwrap_or(QueueId(0));
         let control = QueueControl { id, events: self.events.clone() };
-        (Queue { control }, QueueOutput { deliveries, conflicts: Vec::new() })
+        (Queue { control }, QueueOutput { deliveries, conflicts: Vec::new(), quarantined: Vec::new() })
     }
 
     /// The fleet in numbers, as of late.
@@ -244,19 +248,23 @@ impl QueueControl {
 pub struct QueueOutput {
     deliveries: mpsc::UnboundedReceiver<Delivery>,
     conflicts: Vec<Conflict>,
+    quarantined: Vec<Quarantine>,
 }
 
 impl QueueOutput {
-    /// What was settled since, in that order: whatever is ready, at least one unless there was a conflict.
+    /// What was settled since, in that order: whatever is ready, at least one unless there was a conflict or a
+    /// quarantine.
     /// `None`: the queue was cancelled, or the fleet has said goodbye.
     ///
     /// Dropping the future loses nothing.
     pub async fn next(&mut self) -> Option<Vec<Settled>> {
-        let Delivery { mut settled, conflicts } = self.deliveries.recv().await?;
+        let Delivery { mut settled, conflicts, quarantined } = self.deliveries.recv().await?;
         self.conflicts.extend(conflicts);
+        self.quarantined.extend(quarantined);
         while let Ok(more) = self.deliveries.try_recv() {
             settled.extend(more.settled);
             self.conflicts.extend(more.conflicts);
+            self.quarantined.extend(more.quarantined);
         }
         Some(settled)
     }
@@ -265,12 +273,19 @@ impl QueueOutput {
     pub fn take_conflicts(&mut self) -> Vec<Conflict> {
         std::mem::take(&mut self.conflicts)
     }
+
+    /// Workers that are trusted no more, of which [`QueueOutput::next`] has learnt: what they delivered and no audit
+    /// has confirmed is in doubt, that of the same call included.
+    pub fn take_quarantined(&mut self) -> Vec<Quarantine> {
+        std::mem::take(&mut self.quarantined)
+    }
 }
 
 #[derive(Debug)]
 struct Delivery {
     settled: Vec<Settled>,
     conflicts: Vec<Conflict>,
+    quarantined: Vec<Quarantine>,
 }
 
 /// What the loop is told.

@@ -7,9 +7,11 @@
 //! lineage/   the one writer and the readers of the database
 //! metrics/   what it does, as Prometheus text
 //! server     puts it all together           config      what it is told when it starts
+//! credentials/  TLS, join tokens, and the door before the services
 //! ```
 
 pub mod config;
+pub mod credentials;
 pub mod driver;
 pub mod fleet;
 pub mod lineage;

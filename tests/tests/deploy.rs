@@ -40,6 +40,7 @@ fn a_slurm_job_without_a_coordinator_says_what_it_wants() {
     let script = workspace().join("deploy/slurm/workers.sh");
     let mut command = Command::new("bash");
     command.arg(script).env("SLURM_JOB_ID", "1").env_remove("HATCHERY_COORDINATOR");
+    command.env_remove("HATCHERY_JOIN").env_remove("HATCHERY_JOIN_FILE");
     let output = command.output().expect("bash starts");
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("sbatch --array"));

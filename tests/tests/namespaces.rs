@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use hatchery_tests::client::PATIENCE;
 use hatchery_tests::command::{count, hash};
+use hatchery_tests::keeper::Keeper;
 use hatchery_tests::programs::program;
 use hatchery_tests::samples::walkers;
 use hatchery_tests::{Process, local};
@@ -66,27 +67,30 @@ impl Network {
         tc.is_ok_and(|output| output.status.success())
     }
 
-    fn coordinator(&self, folder: &Path) -> Process {
+    fn coordinator(&self, folder: &Path, keeper: &Keeper) -> Process {
         let mut command = self.command(0, "hatchery-coordinator");
         command.arg("--db").arg(folder.join("hatchery.db"));
-        command.args(["--listen", "0.0.0.0:7878", "--allow-insecure"]);
+        command.args(["--listen", "0.0.0.0:7878", "--credentials"]).arg(keeper.folder());
         command.args(["--heartbeat-ms", "100", "--timeout-ms", "1000"]);
         Process::start(&mut command, &folder.join("coordinator.log"))
     }
 
-    fn worker(&self, folder: &Path, number: usize) -> Process {
+    fn worker(&self, folder: &Path, keeper: &Keeper, number: usize) -> Process {
         let mut command = self.command(number, "hatchery-worker");
-        command.args(["--coordinator", &format!("http://10.77.{number}.1:7878"), "--slots", "1"]);
-        command.args(["--name", &format!("w{number}")]);
+        // Each reaches the coordinator under another address.
+        let mut token = keeper.worker().clone();
+        token.address = format!("10.77.{number}.1:7878");
+        command.env("HATCHERY_JOIN", token.to_string());
+        command.args(["--slots", "1", "--name", &format!("w{number}")]);
         Process::start(&mut command, &folder.join(format!("w{number}.log")))
     }
 
     /// A client beside the coordinator, which may not listen yet, or not at present.
-    fn ask(&self, arguments: &[&str]) -> Output {
+    fn ask(&self, keeper: &Keeper, arguments: &[&str]) -> Output {
         let deadline = Instant::now() + PATIENCE;
         loop {
             let mut command = self.command(0, "hatchery");
-            let output = command.args(arguments).args(["--coordinator", "http://127.0.0.1:7878"]).output();
+            let output = command.args(arguments).env("HATCHERY_JOIN", keeper.client().to_string()).output();
             let output = output.expect("ip ran before");
             if output.status.success() {
                 return output;
@@ -142,9 +146,12 @@ fn cut_links_and_kills_on_a_real_network_cost_time_and_nothing_else() {
     let text = walkers("crawler", "grn", 21, 30, 6);
     let file = folder.join("experiment.toml");
     std::fs::write(&file, &text).expect("the folder is writable");
-    let mut coordinator = network.coordinator(folder);
-    let mut workers: Vec<Process> = (1..=3).map(|number| network.worker(folder, number)).collect();
-    network.ask(&["submit", &file.to_string_lossy()]);
+    let mut keeper = Keeper::found(folder);
+    keeper.moved("127.0.0.1:7878".parse().expect("an address"));
+    let keeper = keeper;
+    let mut coordinator = network.coordinator(folder, &keeper);
+    let mut workers: Vec<Process> = (1..=3).map(|number| network.worker(folder, &keeper, number)).collect();
+    network.ask(&keeper, &["submit", &file.to_string_lossy()]);
     advance(folder, 15);
 
     // Longer than the silence that ends leases.
@@ -155,16 +162,16 @@ fn cut_links_and_kills_on_a_real_network_cost_time_and_nothing_else() {
 
     workers[1].kill();
     advance(folder, 15);
-    workers[1] = network.worker(folder, 2);
+    workers[1] = network.worker(folder, &keeper, 2);
 
     // Everybody is cut off, and meanwhile the coordinator is killed.
     (1..=3).for_each(|number| network.cut(number));
     coordinator.kill();
-    coordinator = network.coordinator(folder);
+    coordinator = network.coordinator(folder, &keeper);
     std::thread::sleep(Duration::from_millis(1200));
     (1..=3).for_each(|number| network.mend(number));
 
-    network.ask(&["watch", "last"]);
+    network.ask(&keeper, &["watch", "last"]);
     assert_eq!(hash(folder, "last"), local::lineage(&text));
     let lost = count(folder, "SELECT count(*) FROM v_evaluations WHERE fate LIKE 'lost%'");
     assert!(lost > 0, "no fault met an evaluation under way");

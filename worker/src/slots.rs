@@ -38,6 +38,8 @@ struct State {
     is_announced: bool,
     pace: Pace,
     waiting_slots: usize,
+    /// When a slot last had something to evaluate.
+    busy: Instant,
     closed: bool,
 }
 
@@ -61,6 +63,7 @@ impl Slots {
             is_announced: false,
             pace: Pace::default(),
             waiting_slots: 0,
+            busy: Instant::now(),
             closed: false,
         };
         let shared = Shared {
@@ -154,6 +157,25 @@ impl Slots {
         self.shared.lock().queue.drain(..).map(|evaluation| evaluation.attempt).collect()
     }
 
+    /// Takes back everything that has not ended. What runs goes on, and nobody hears of it.
+    pub(crate) fn abandon(&self) -> Vec<Attempt> {
+        let mut state = self.shared.lock();
+        let waiting: Vec<Attempt> = state.queue.drain(..).map(|evaluation| evaluation.attempt).collect();
+        let running = state.running.iter_mut().flatten().filter(|running| running.wanted);
+        let running = running.map(|running| {
+            running.wanted = false;
+            running.attempt
+        });
+        running.chain(waiting).collect()
+    }
+
+    /// How long all slots have had nothing to evaluate.
+    pub(crate) fn idle_for(&self) -> Duration {
+        let state = self.shared.lock();
+        let is_busy = !state.queue.is_empty() || state.running.iter().any(Option::is_some);
+        if is_busy { Duration::ZERO } else { state.busy.elapsed() }
+    }
+
     /// Throws away all reports, those of running evaluations included.
     pub(crate) fn forget(&self) {
         let mut state = self.shared.lock();
@@ -190,6 +212,7 @@ impl State {
     /// Takes a slot's last report. True if it is time to wake somebody.
     fn hand_in(&mut self, slot: usize, report: Report) -> bool {
         self.pace.observe(report.seconds);
+        self.busy = Instant::now();
         if self.running[slot].take().is_some_and(|running| running.wanted) {
             self.outbox.push(report);
         }

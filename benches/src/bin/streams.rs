@@ -121,6 +121,7 @@ async fn live(
         window: 2,
         lineage: Bytes::new(),
         holding: vec![],
+        labels: Default::default(),
     };
     say(&sender, Said::Hello(hello)).await?;
     let mut told = FleetClient::new(channel).attach(ReceiverStream::new(receiver)).await?.into_inner();

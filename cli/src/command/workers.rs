@@ -9,7 +9,7 @@ use crate::render::table::{Column, table};
 use crate::render::{Output, json, number};
 
 pub(super) async fn workers(dial: &Dial, output: Output) -> Result<(), Failure> {
-    let connection = Connection::open(&Source::coordinator(dial)).await?;
+    let connection = Connection::open(&Source::coordinator(dial)?).await?;
     let reply = connection.fleet().workers(within(PROMPT, WorkersRequest {})).await?.into_inner();
     let (workers, notes) = (reply.workers, reply.notes);
     if output.json {
@@ -30,6 +30,7 @@ pub(super) async fn workers(dial: &Dial, output: Output) -> Result<(), Failure> 
         Column::Right("busy"),
         Column::Left("version"),
         Column::Left("attached (UTC)"),
+        Column::Left("labels"),
     ];
     let row = |of: &WorkerInfo| {
         vec![
@@ -44,6 +45,7 @@ pub(super) async fn workers(dial: &Dial, output: Output) -> Result<(), Failure> 
             number::stretch(of.busy_seconds),
             of.version.clone(),
             number::time(of.attached_ms),
+            of.labels.iter().map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>().join(" "),
         ]
     };
     let mut text = table(&columns, workers.iter().map(row));

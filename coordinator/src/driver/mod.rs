@@ -4,6 +4,7 @@
 mod conduct;
 mod generation;
 mod progress;
+mod redo;
 mod submit;
 
 pub use progress::{Counts, Ended, Happening, Progress, RunProgress, Tally};

@@ -19,13 +19,22 @@ impl Refused {
 /// Why nothing can be handed out; empty if it can.
 pub(super) fn words(summary: &Summary, refused: Option<&Refused>) -> String {
     match (summary.slots, summary.workers, refused) {
+        // Whatever else there is to do is done: only a dispute holds things up.
+        (1.., _, _)
+            if summary.disputed > 0 && summary.disputed == summary.ready && summary.in_flight == 0 =>
+        {
+            format!(
+                "workers differ on {} evaluations, and another one must decide: start one more",
+                summary.disputed
+            )
+        }
         (1.., _, _) => String::new(),
         (0, 0, None) => {
             "no worker is attached: start one with `hatchery-worker --coordinator URL`".to_owned()
         }
         (0, 0, Some(refused)) => format!("no worker is attached: {}", refused.words()),
-        (0, 1, _) => "the one worker is draining and takes nothing new".to_owned(),
-        (0, workers, _) => format!("all {workers} workers are draining and take nothing new"),
+        (0, 1, _) => "the one worker is draining or quarantined, and takes nothing new".to_owned(),
+        (0, workers, _) => format!("all {workers} workers are draining or quarantined, and take nothing new"),
     }
 }
 
@@ -42,7 +51,7 @@ pub(super) fn notes(summary: &Summary, refused: Option<&Refused>) -> Vec<String>
     match (summary.ready, summary.in_flight) {
         (0, 0) if summary.slots > 0 => notes.push("nothing waits to be evaluated".to_owned()),
         // Workers take what is ready at once; what stays belongs to queues that are paused.
-        (ready @ 1.., 0) if summary.slots > 0 => {
+        (ready @ 1.., 0) if summary.slots > 0 && ready > summary.disputed => {
             notes.push(format!("{ready} evaluations wait, of experiments that are paused"));
         }
         (ready @ 1.., _) if summary.slots == 0 => notes.push(format!("{ready} evaluations wait")),
@@ -64,7 +73,10 @@ mod tests {
         let none = Summary::default();
         assert!(words(&none, None).starts_with("no worker is attached: start one"));
         let draining = Summary { workers: 2, ..none };
-        assert_eq!(words(&draining, None), "all 2 workers are draining and take nothing new");
+        assert_eq!(words(&draining, None), "all 2 workers are draining or quarantined, and take nothing new");
+        let differing = Summary { workers: 2, slots: 2, ready: 3, disputed: 3, ..none };
+        assert!(words(&differing, None).contains("another one must decide"));
+        assert_eq!(words(&Summary { ready: 4, ..differing }, None), "");
         assert_eq!(words(&Summary { slots: 1, workers: 1, ..none }, Some(&refused())), "");
     }
 

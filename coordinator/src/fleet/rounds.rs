@@ -51,8 +51,10 @@ impl Rounds {
             overdue_ms: OVERDUE_MS,
         };
         let now = clock.now();
+        let mut scheduler = Scheduler::new(limits, now);
+        settings.quarantined.iter().for_each(|name| scheduler.distrust(name));
         Rounds {
-            scheduler: Scheduler::new(limits, now),
+            scheduler,
             sessions: BTreeMap::new(),
             owners: BTreeMap::new(),
             inspected: now,
@@ -257,7 +259,19 @@ impl Rounds {
                     self.close(worker, loss, now);
                 }
             }
-            Order::Deliver { queue, settled, conflicts } => {
+            Order::Quarantine(verdict) => {
+                tracing::error!(
+                    worker = verdict.worker,
+                    evaluation = verdict.evaluation,
+                    found = ?verdict.found,
+                    against = ?verdict.against,
+                    witnesses = ?verdict.witnesses,
+                    "a worker found other bits than two others, and is quarantined"
+                );
+                // Nobody listening is no error.
+                let _ = self.changes.send(Change::Quarantined(verdict));
+            }
+            Order::Deliver { queue, settled, conflicts, quarantined } => {
                 let Some(owner) = self.owners.get(&queue) else { return };
                 self.counts.contradicted(&conflicts);
                 for one in &settled {
@@ -276,7 +290,7 @@ impl Rounds {
                         "two workers computed different bits"
                     );
                 }
-                if owner.deliver.send(Delivery { settled, conflicts }).is_err() {
+                if owner.deliver.send(Delivery { settled, conflicts, quarantined }).is_err() {
                     self.cancel(queue, now);
                 }
             }

@@ -29,8 +29,8 @@ mod writer;
 
 pub(crate) use commits::Commits;
 pub use entry::{
-    Attempt, CloseGeneration, Culling, Ending, Evaluated, Event, Fate, Joined, NewExperiment, NewStage,
-    OpenGeneration, Ruling, SetAside, State,
+    Attempt, Audited, CloseGeneration, Culling, Ending, Evaluated, Event, Fate, Joined, NewExperiment,
+    NewStage, OpenGeneration, Retracted, Ruling, SetAside, State,
 };
 pub use error::{OpenError, QueryError, ReadError, WriteError};
 pub use hash::ExperimentHash;
@@ -240,6 +240,21 @@ impl Lineage {
         self.send(Queued { entry: Entry::Record(evaluated, permit), answer: None }).await
     }
 
+    /// Takes back the outcomes of an open generation that rest on the word of workers of one name alone, with those
+    /// that were inherited from them: the only rows of the lineage that are ever taken back. Nothing reads them
+    /// before their generation ends. `first` and `size` are the generation's.
+    pub async fn retract(
+        &self,
+        first: IndividualId,
+        size: u32,
+        worker: String,
+    ) -> Result<Vec<Retracted>, WriteError> {
+        let pairs = self.answer(Entry::Retract { first, size, worker }).await?;
+        let retracted =
+            |pair: &[u64]| Retracted { individual: IndividualId(pair[0]), attempts: pair[1] as u32 };
+        Ok(pairs.chunks_exact(2).map(retracted).collect())
+    }
+
     /// Returns when everything recorded before is on disk.
     pub async fn flush(&self) -> Result<(), WriteError> {
         self.answer(Entry::Flush).await.map(drop)
@@ -263,6 +278,11 @@ impl Lineage {
     /// A worker attached: from now on its name in attempts means this one.
     pub async fn worker_joined(&self, worker: Joined) -> Result<(), WriteError> {
         self.send(Queued { entry: Entry::Joined(worker), answer: None }).await
+    }
+
+    /// A worker's name is trusted no more.
+    pub async fn worker_quarantined(&self, name: String) -> Result<(), WriteError> {
+        self.send(Queued { entry: Entry::Quarantined(name), answer: None }).await
     }
 
     /// A worker went away, and why.

@@ -8,7 +8,7 @@ use super::fault::{Fault, fault, words};
 use super::file::Lock;
 use super::register::Register;
 use super::transaction::{Checkpoint, PackedGeneration, Refusal, Transaction};
-use super::{ExperimentId, Health, StageId, WriteError};
+use super::{ExperimentId, Health, IndividualId, StageId, WriteError};
 use sqlx::sqlite::SqliteConnection;
 use sqlx::{Connection as _, Executor as _};
 use std::sync::{Arc, OnceLock};
@@ -47,6 +47,12 @@ pub(super) enum Entry {
     Event(Event),
     Joined(Joined),
     Left(String, String),
+    Quarantined(String),
+    Retract {
+        first: IndividualId,
+        size: u32,
+        worker: String,
+    },
     Flush,
     /// The last one: what is queued before the channel closes is still written, and nothing after.
     Close,
@@ -72,6 +78,8 @@ impl Entry {
             Entry::Event(event) => format!("write down the event `{}`", event.kind),
             Entry::Joined(worker) => format!("welcome worker `{}`", worker.name),
             Entry::Left(name, _) => format!("take leave of worker `{name}`"),
+            Entry::Quarantined(name) => format!("quarantine worker `{name}`"),
+            Entry::Retract { worker, .. } => format!("retract outcomes of worker `{worker}`"),
             Entry::Flush => "flush".to_owned(),
             Entry::Close => "close".to_owned(),
             #[cfg(test)]
@@ -285,6 +293,11 @@ async fn apply(
         Entry::Event(event) => transaction.event(event).await?,
         Entry::Joined(worker) => transaction.worker_joined(worker).await?,
         Entry::Left(name, reason) => transaction.worker_left(name, reason).await?,
+        Entry::Quarantined(name) => transaction.worker_quarantined(name).await?,
+        Entry::Retract { first, size, worker } => {
+            let retracted = transaction.retract(*first, *size, worker).await?;
+            return Ok(retracted.iter().flat_map(|of| [of.individual.0, of.attempts.into()]).collect());
+        }
         Entry::Flush | Entry::Close => {}
         #[cfg(test)]
         Entry::FullFor(attempts) => {

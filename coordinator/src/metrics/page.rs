@@ -111,18 +111,23 @@ impl Gauges {
     }
 
     fn take_workers(&self, workers: &[crate::fleet::WorkerInfo]) {
-        let (mut attached, mut draining, mut slots) = (0, 0, [0u64; 3]);
+        let (mut attached, mut draining, mut quarantined, mut slots) = (0, 0, 0, [0u64; 3]);
         for worker in workers {
             let busy = u64::from(worker.in_flight.min(worker.slots));
             let rest = u64::from(worker.slots) - busy;
             match worker.state {
                 WorkerState::Attached => (attached, slots[1]) = (attached + 1, slots[1] + rest),
                 WorkerState::Draining => (draining, slots[2]) = (draining + 1, slots[2] + rest),
+                // It has nothing, and is asked for nothing.
+                WorkerState::Quarantined => {
+                    quarantined += 1;
+                    continue;
+                }
                 WorkerState::Gone => continue,
             }
             slots[0] += busy;
         }
-        for (state, count) in [("attached", attached), ("draining", draining)] {
+        for (state, count) in [("attached", attached), ("draining", draining), ("quarantined", quarantined)] {
             self.workers.get_or_create(&[("state", state)]).set(count);
         }
         for (state, count) in ["busy", "idle", "draining"].into_iter().zip(slots) {

@@ -1,6 +1,7 @@
 //! The fleet's service: takes workers in by their hello, and passes on what they say. Who gets what is the
 //! fleet's to decide.
 
+use crate::credentials::Admission;
 use crate::fleet::{Fleet, Mouth, WorkerInfo};
 use crate::scheduler::{AttemptId, Hello, News, Report};
 use creatures::{Interim, Outcome};
@@ -10,6 +11,8 @@ use proto::v1::fleet_server::FleetServer;
 use proto::v1::worker_message::Kind;
 use proto::{MESSAGE_SIZE_MAX, PROTOCOL, v1};
 use std::convert::Infallible;
+use std::future::pending;
+use std::pin::pin;
 use std::time::Duration;
 use tokio::sync::oneshot;
 use tokio::time::timeout;
@@ -24,6 +27,9 @@ const WINDOW_MAX: u32 = 65_536;
 const NAME_SIZE_MAX: usize = 128;
 /// The longest version, bytes.
 const VERSION_SIZE_MAX: usize = 64;
+/// The most labels of a worker, and the longest key or value of one, bytes.
+const LABELS_MAX: usize = 16;
+const LABEL_SIZE_MAX: usize = 64;
 /// From the call to the hello.
 const HELLO_TIMEOUT: Duration = Duration::from_secs(10);
 /// For a worker to hang up after its stream was closed.
@@ -50,6 +56,7 @@ impl v1::fleet_server::Fleet for FleetService {
         &self,
         request: Request<Streaming<v1::WorkerMessage>>,
     ) -> Result<Response<Self::AttachStream>, Status> {
+        let admission = request.extensions().get::<Admission>().cloned();
         let mut incoming = request.into_inner();
         let first = timeout(HELLO_TIMEOUT, incoming.message())
             .await
@@ -68,7 +75,7 @@ impl v1::fleet_server::Fleet for FleetService {
         };
         let attachment = admitted
             .inspect_err(|refusal| self.fleet.turned_away(&printable(&name), &printable(&host), refusal))?;
-        tokio::spawn(listen(incoming, attachment.mouth(), attachment.closed));
+        tokio::spawn(listen(incoming, attachment.mouth(), attachment.closed, admission));
         Ok(Response::new(ReceiverStream::new(attachment.messages)))
     }
 
@@ -124,6 +131,14 @@ impl FleetService {
             let text = "`name` must not be empty, and neither it nor `host` have control characters";
             return Err(Refusal::Hello(text.to_owned()));
         }
+        let is_legal =
+            |text: &str| (1..=LABEL_SIZE_MAX).contains(&text.len()) && !text.chars().any(char::is_control);
+        if hello.labels.len() > LABELS_MAX || !hello.labels.iter().all(|(k, v)| is_legal(k) && is_legal(v)) {
+            return Err(Refusal::Hello(format!(
+                "`labels` has more than {LABELS_MAX}, or one that is empty, over {LABEL_SIZE_MAX} bytes or has control \
+                 characters"
+            )));
+        }
         between("slots", hello.slots, SLOTS_MAX)?;
         between("window", hello.window, WINDOW_MAX)?;
         let limit = (WINDOW_MAX + SLOTS_MAX) as usize;
@@ -141,6 +156,7 @@ impl FleetService {
             slots: hello.slots,
             window: hello.window,
             holding: holding.into_iter().map(attempt).collect(),
+            labels: hello.labels,
         })
     }
 
@@ -159,6 +175,7 @@ impl FleetService {
             busy_seconds: worker.busy_seconds,
             attached_ms: self.fleet.unix_ms(worker.attached),
             heard_ms: self.fleet.unix_ms(worker.heard),
+            labels: worker.labels,
         }
     }
 }
@@ -168,11 +185,22 @@ async fn listen(
     mut incoming: Streaming<v1::WorkerMessage>,
     mouth: Mouth,
     mut closed: oneshot::Receiver<Infallible>,
+    admission: Option<Admission>,
 ) {
+    let mut expelled = pin!(async {
+        match admission {
+            Some(admission) => admission.ended().await,
+            None => pending().await,
+        }
+    });
     loop {
         let message = tokio::select! {
             biased; // so that a simulation replays
             _ = &mut closed => break,
+            denied = &mut expelled => {
+                mouth.expelled(denied.into()).await;
+                break;
+            }
             message = incoming.message() => message,
         };
         let passed = match message {

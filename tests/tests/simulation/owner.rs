@@ -78,6 +78,8 @@ impl Undisturbed {
             genotype: individual.genotype.clone().into(),
             seed: evaluation_seed(run_seed, place),
             cull: Some(Cull { at: rule.at, cutoff, control: rule.in_control(run_seed, place) }),
+            audit: false,
+            attempts_before: 0,
         }
     }
 }

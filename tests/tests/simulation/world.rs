@@ -5,6 +5,7 @@ use crate::plan::{Fault, Plan};
 use crate::wire;
 use coordinator::fleet::{Fleet, FleetSettings, WorkerState};
 use coordinator::service;
+use proto::dial::Address;
 use std::error::Error;
 use std::fmt::Write as _;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -12,7 +13,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use tokio::sync::Notify;
 use tokio::time::{Instant, sleep};
-use tonic::transport::{Endpoint, Server};
+use tonic::transport::Server;
 use turmoil::Sim;
 
 const HEARTBEAT_MS: u32 = 200;
@@ -154,6 +155,7 @@ async fn coordinator_host(of: Arc<Undisturbed>, shared: Arc<Shared>) -> turmoil:
         version: env!("CARGO_PKG_VERSION").to_owned(),
         fingerprint: FINGERPRINT,
         lineage: [1; 16],
+        quarantined: vec![],
     });
     let router = Server::builder().add_service(service::fleet(fleet.clone()));
     tokio::spawn(router.serve_with_incoming(wire::listen().await?));
@@ -191,14 +193,18 @@ async fn watch(fleet: &Fleet, start: Instant) -> String {
 async fn worker_host(index: usize, slots: usize, drain: Arc<Notify>) -> turmoil::Result {
     loop {
         let config = worker::Config {
-            coordinator: Endpoint::from_shared(format!("http://{COORDINATOR}:{}", wire::PORT))?,
+            coordinator: Address::plain(&format!("http://{COORDINATOR}:{}", wire::PORT))?,
             name: worker(index),
             host: "simulated".to_owned(),
             slots,
             systems: creatures::system,
             fingerprint: FINGERPRINT,
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            dial: wire::dial,
+            labels: Default::default(),
+            time_limit: None,
+            idle_timeout: None,
+            grace: worker::config::GRACE,
+            dial: Some(wire::dial),
             hands: worker::Hands::Simulated(takes),
         };
         worker::run(config, drain.notified()).await?;
