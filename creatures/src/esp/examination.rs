@@ -18,12 +18,12 @@ pub struct Test {
 }
 
 /// What came out.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Report {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report<F> {
     /// The score of the last test; 0 if one before stopped the examination.
     pub fitness: f64,
     /// Of every test that was made, in order.
-    pub tests: Vec<TestReport>,
+    pub tests: Vec<TestReport<F>>,
     /// Tests that were not made, since one before stopped the examination.
     pub skipped: usize,
     /// Physics steps of all trials, without settling.
@@ -31,8 +31,8 @@ pub struct Report {
 }
 
 /// What came out of one test.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct TestReport {
+#[derive(Debug, Clone, PartialEq)]
+pub struct TestReport<F> {
     /// The fitness of the skill.
     pub score: f64,
     /// Of every trial, in order.
@@ -40,7 +40,7 @@ pub struct TestReport {
     /// What else was measured, by name.
     pub measures: Vec<(&'static str, f64)>,
     /// What went wrong in trials, by their place.
-    pub faults: Vec<(usize, String)>,
+    pub faults: Vec<(usize, F)>,
 }
 
 /// A creature as it is examined: its brain, its body's instances, and how to spawn it.
@@ -56,11 +56,11 @@ pub struct Candidate<'a, S> {
 impl<S, L> Candidate<'_, S>
 where
     S: FnMut(&Setup) -> Result<L, L::Fault>,
-    L: Living<Fault: std::fmt::Display>,
+    L: Living,
 {
     /// Makes the tests in order. Draws nothing.
-    pub fn examine(&mut self, tests: &[Test], context: &Context) -> Report {
-        let mut report = Report::default();
+    pub fn examine(&mut self, tests: &[Test], context: &Context) -> Report<L::Fault> {
+        let mut report = Report { fitness: 0.0, tests: Vec::new(), skipped: 0, steps: 0 };
         let mut record = Record::default();
         for (place, test) in tests.iter().enumerate() {
             let result = self.test(test, context, &mut record, &mut report.steps);
@@ -77,11 +77,18 @@ where
     }
 
     /// Tests one skill, which is on alone: every other is only on as far as it calls (E-49).
-    fn test(&mut self, test: &Test, context: &Context, record: &mut Record, steps: &mut u64) -> TestReport {
+    fn test(
+        &mut self,
+        test: &Test,
+        context: &Context,
+        record: &mut Record,
+        steps: &mut u64,
+    ) -> TestReport<L::Fault> {
         let scoring = test.fitness.scoring();
         let forced = [Forced { skill: test.skill, sigma: 1.0 }];
         let fresh = Circuit::new(self.brain, self.body, context.syllabus, &forced);
-        let mut report = TestReport::default();
+        let mut report =
+            TestReport { score: 0.0, trials: Vec::new(), measures: Vec::new(), faults: Vec::new() };
         for (place, setup) in scoring.trials(context).iter().enumerate() {
             record.moments.clear(); // a creature that does not settle has lived no step of its trial
             let lived = (self.spawn)(setup)
@@ -93,7 +100,7 @@ where
                     scoring.score(setup, record, context)
                 }
                 Err(fault) => {
-                    report.faults.push((place, fault.to_string()));
+                    report.faults.push((place, fault));
                     scoring.score_of_fault(setup)
                 }
             };

@@ -3,14 +3,64 @@
 
 pub mod body;
 pub mod brain;
+pub mod creature;
 pub mod encapsulation;
+pub mod energy;
 pub mod examination;
+pub mod eye;
+pub mod fault;
 pub mod fitness;
 pub mod genotype;
 pub mod key;
+pub mod muscle;
 pub mod pandemonium;
+pub mod physics;
+pub mod sample;
 pub mod syllabus;
+pub mod task;
 pub mod trial;
 pub mod variation;
 
 pub use genotype::Genotype;
+pub use task::{EspTask, TaskTable};
+
+use crate::{Proof, SpecError, System, Task, read_spec};
+use serde_json::json;
+
+/// The registry's entry.
+#[derive(Debug)]
+pub struct Esp;
+
+impl System for Esp {
+    fn name(&self) -> &'static str {
+        "esp"
+    }
+
+    fn version(&self) -> u32 {
+        1
+    }
+
+    fn resolve(&self, task: serde_json::Value) -> Result<serde_json::Value, SpecError> {
+        let table = read_spec::<TaskTable>(task)?.resolved()?;
+        Ok(serde_json::to_value(table).expect("a plain struct serialises"))
+    }
+
+    fn task(&self, resolved: &str) -> Result<Box<dyn Task>, SpecError> {
+        let value = serde_json::from_str(resolved).map_err(|e| SpecError::new("", e.to_string()))?;
+        Ok(Box::new(read_spec::<TaskTable>(value)?.check()?))
+    }
+
+    /// A quadruped that walks, and one that sees: joints, contacts, muscles, brain, light and shade take part.
+    fn proofs(&self) -> Vec<Proof> {
+        let skill =
+            |fitness| json!({ "skill": [{ "id": "it", "fitness": fitness }], "tests": [{ "skill": "it" }] });
+        let proof = |fitness, genotype: Genotype| {
+            let task = self.resolve(skill(fitness)).expect("the task is legal; a test says so");
+            Proof { task: task.to_string(), genotype: genotype.encode(), seed: 0 }
+        };
+        // A step of speed so small that no bit of the way is lost to it.
+        let walk = json!({ "kind": "locomotion", "seconds": 2.0, "speed_step": 1e-9 });
+        let see = json!({ "kind": "face_light", "seconds": 2.0, "distance": 2.0, "headings": [60, -120] });
+        vec![proof(walk, sample::walker()), proof(see, sample::seeker())]
+    }
+}

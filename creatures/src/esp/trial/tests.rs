@@ -22,12 +22,6 @@ pub(in crate::esp) struct Puppet {
 #[derive(Debug, PartialEq, Eq)]
 pub(in crate::esp) struct Broken(pub(in crate::esp) usize);
 
-impl std::fmt::Display for Broken {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
-        write!(formatter, "broken at step {}", self.0)
-    }
-}
-
 impl Puppet {
     pub(in crate::esp) fn at(x: f64, y: f64, heading: f64) -> Puppet {
         let state = State { centre: DVec3::new(x, y, 0.4), heading, up: 1.0, top: 0.8, ..State::default() };
