@@ -2,7 +2,7 @@
 
 use crate::esp::sample::{seeker, walker};
 use crate::esp::{Esp, Genotype};
-use crate::{Outcome, Reason, Status, System};
+use crate::{Nobody, Outcome, Reason, Status, System};
 use serde_json::{Value, json};
 
 fn ten_skills(tests: Value) -> Value {
@@ -18,7 +18,7 @@ fn one_skill(fitness: Value) -> Value {
 fn evaluate(task: &Value, genotype: &Genotype) -> Outcome {
     let task = Esp.task(&Esp.resolve(task.clone()).unwrap().to_string()).unwrap();
     task.check(&genotype.encode()).unwrap();
-    task.evaluate(&genotype.encode(), 0, None, &mut |_| {}).unwrap()
+    task.evaluate(&genotype.encode(), 0, None, &mut Nobody).unwrap()
 }
 
 fn measure(outcome: &Outcome, name: &str) -> Option<f64> {
@@ -120,7 +120,7 @@ fn a_test_of_a_skill_without_control_is_refused() {
     let task = Esp.task(&task.to_string()).unwrap();
     let error = task.check(&walker().encode()).unwrap_err().to_string();
     assert!(error.contains("brain.controls") && error.contains("`left_turn`"), "{error}");
-    assert!(task.evaluate(&walker().encode(), 0, None, &mut |_| {}).is_err());
+    assert!(task.evaluate(&walker().encode(), 0, None, &mut Nobody).is_err());
 }
 
 /// EF-10: a world that throws creatures about is one in which every trial ends in a fault.
@@ -153,7 +153,7 @@ fn proofs_are_legal_and_lively() {
     for proof in Esp.proofs() {
         let task = Esp.task(&proof.task).unwrap();
         task.check(&proof.genotype).unwrap();
-        let outcome = task.evaluate(&proof.genotype, proof.seed, None, &mut |_| {}).unwrap();
+        let outcome = task.evaluate(&proof.genotype, proof.seed, None, &mut Nobody).unwrap();
         assert_eq!(outcome.status, Status::Completed, "{outcome:?}");
         assert!(outcome.fitness > 0.0, "{outcome:?}");
     }
