@@ -18,6 +18,9 @@ pub struct Config {
     /// Write the address listened on to a file once it is open, for scripts that use port 0
     #[arg(long, value_name = "FILE")]
     pub address_file: Option<PathBuf>,
+    /// Answer GET /metrics with Prometheus text on this address; anybody who reaches it can read it
+    #[arg(long, value_name = "ADDR", env = "HATCHERY_METRICS")]
+    pub metrics: Option<SocketAddr>,
     /// How often a worker has to show that it is alive, milliseconds
     #[arg(long, value_name = "MS", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(10..=60_000))]
     pub heartbeat_ms: u32,
@@ -34,6 +37,7 @@ impl Config {
             listen: SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 0),
             allow_insecure: false,
             address_file: None,
+            metrics: None,
             heartbeat_ms: 1000,
             timeout_ms: 5000,
         }

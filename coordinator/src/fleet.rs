@@ -1,6 +1,8 @@
 //! The fleet: runs the scheduler in one loop that owns it, and gives handles to those who submit evaluations
 //! and to those who hold a worker's stream. It decides nothing that the scheduler decides.
 
+mod counts;
+mod obstacle;
 mod rounds;
 mod session;
 
@@ -8,6 +10,8 @@ pub use crate::lineage::{Attempt, Fate, Joined, Ruling, SetAside};
 pub use crate::scheduler::{
     Conflict, Evaluation, Millis, Settled, Summary, TaskText, WorkerInfo, WorkerState,
 };
+pub(crate) use counts::Counts;
+pub(crate) use obstacle::Refused;
 pub(crate) use session::{Attachment, Mouth};
 
 use crate::scheduler::{AttemptId, Hello, Loss, QueueId, Report, WorkerId};
@@ -61,6 +65,9 @@ pub struct Fleet {
     events: mpsc::Sender<Event>,
     summary: watch::Receiver<Summary>,
     changes: broadcast::Sender<Change>,
+    counts: Counts,
+    /// The last worker that was turned away, until one is let in.
+    refused: watch::Sender<Option<Refused>>,
 }
 
 impl Fleet {
@@ -71,9 +78,12 @@ impl Fleet {
         let (events, inbox) = mpsc::channel(EVENTS_MAX);
         let (summary_sender, summary) = watch::channel(Summary::default());
         let changes = broadcast::Sender::new(CHANGES_MAX);
-        let rounds = rounds::Rounds::new(settings.clone(), clock, summary_sender, changes.clone());
+        let counts = Counts::default();
+        let rounds =
+            rounds::Rounds::new(settings.clone(), clock, summary_sender, changes.clone(), counts.clone());
         tokio::spawn(rounds.run(inbox));
-        Fleet { settings, clock, events, summary, changes }
+        let refused = watch::Sender::new(None);
+        Fleet { settings, clock, events, summary, changes, counts, refused }
     }
 
     /// Opens a queue: where to put evaluations, and where they come out. The label names it in the log.
@@ -119,6 +129,31 @@ impl Fleet {
         let _ = said.await;
     }
 
+    /// Why nothing can be handed out at present; empty if it can.
+    pub fn obstacle(&self) -> String {
+        obstacle::words(&self.summary.borrow(), self.refused.borrow().as_ref())
+    }
+
+    /// What somebody who looks at the workers should know beside them.
+    pub fn notes(&self) -> Vec<String> {
+        obstacle::notes(&self.summary.borrow(), self.refused.borrow().as_ref())
+    }
+
+    pub(crate) fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// A worker was turned away at the door.
+    pub(crate) fn turned_away(&self, name: &str, host: &str, refusal: &Refusal) {
+        self.counts.refused(refusal);
+        tracing::warn!(worker = name, host, "worker refused: {refusal}");
+        self.refused.send_replace(Some(Refused {
+            name: name.to_owned(),
+            host: host.to_owned(),
+            reason: refusal.to_string(),
+        }));
+    }
+
     pub(crate) fn settings(&self) -> &FleetSettings {
         &self.settings
     }
@@ -139,7 +174,10 @@ impl Fleet {
         self.tell(Event::Attach { hello, fingerprint, session, reply }).await;
         let attached = answer.await.ok()?;
         Some(match attached {
-            Ok(worker) => Ok(Attachment { worker, messages, closed, events: self.events.clone() }),
+            Ok(worker) => {
+                self.refused.send_replace(None);
+                Ok(Attachment { worker, messages, closed, events: self.events.clone() })
+            }
             Err(taken) => Err(Refusal::NameTaken { name: taken.0 }),
         })
     }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{broadcast, oneshot};
-use tokio::task::JoinHandle;
+use tokio::task::{JoinHandle, JoinSet};
 use tonic::transport::Server;
 use tonic::transport::server::TcpIncoming;
 
@@ -58,8 +58,11 @@ pub enum StartError {
 /// A coordinator at work. Dropping it stops the server without a goodbye, as a kill would.
 pub struct Running {
     address: SocketAddr,
+    metrics: Option<SocketAddr>,
     stop: oneshot::Sender<()>,
     server: JoinHandle<Result<(), tonic::transport::Error>>,
+    /// Ends when this is dropped.
+    scrapes: JoinSet<()>,
     driver: Driver,
     fleet: Fleet,
     lineage: Lineage,
@@ -89,6 +92,15 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
     });
     tokio::spawn(note_workers(fleet.changes(), lineage.clone()));
     let driver = Driver::start(lineage.clone(), fleet.clone(), fingerprint).await?;
+
+    let mut scrapes = JoinSet::new();
+    let mut metrics = None;
+    if let Some(address) = config.metrics {
+        let refused = |source| StartError::Listen { address, source };
+        let listener = TcpListener::bind(address).await.map_err(refused)?;
+        metrics = Some(listener.local_addr().map_err(refused)?);
+        scrapes.spawn(crate::metrics::serve(listener, driver.clone(), config.db.clone()));
+    }
 
     let (health, health_service) = tonic_health::server::health_reporter();
     health.set_service_status("", tonic_health::ServingStatus::Serving).await;
@@ -120,14 +132,20 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
         write_whole(path, &address.to_string())
             .map_err(|source| StartError::AddressFile { path: path.clone(), source })?;
     }
-    tracing::info!(%address, db = %config.db.display(), "listening");
-    Ok(Running { address, stop, server, driver, fleet, lineage })
+    let scraped = metrics.map(|address| address.to_string());
+    tracing::info!(%address, db = %config.db.display(), metrics = scraped, "listening");
+    Ok(Running { address, metrics, stop, server, scrapes, driver, fleet, lineage })
 }
 
 impl Running {
     /// The address listened on.
     pub fn address(&self) -> SocketAddr {
         self.address
+    }
+
+    /// Where metrics are read, if that was asked for.
+    pub fn metrics(&self) -> Option<SocketAddr> {
+        self.metrics
     }
 
     /// The experiments, for those who embed a coordinator.
@@ -137,7 +155,8 @@ impl Running {
 
     /// Stops handing out, commits what has arrived, says goodbye to the workers, closes the lineage.
     /// Experiments stay `running` in it and are taken up at the next start.
-    pub async fn shutdown(self) {
+    pub async fn shutdown(mut self) {
+        self.scrapes.shutdown().await;
         self.driver.stop().await;
         self.fleet.goodbye().await;
         let _ = self.stop.send(());

@@ -1,15 +1,22 @@
 //! Poses over time, for replay and export: what is in a trial, and where it is at each moment. It moves,
 //! reads and writes nothing; `docs/recordings.md` documents the form in which it is written.
 
+mod keep;
+mod pose;
+mod written;
+
+pub use keep::{Keeper, Recording, Shot};
+pub use written::{FORMAT, Header, Subject};
+
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// What is in a trial, before its first step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
-    /// Of every length: `m`, or `L/20` for fishes, of which one of size 1 is 20 long.
+    /// Of every length: `m`; empty where the model has none.
     pub length_unit: String,
-    /// Of every time: `s`, or `time` for fishes, whose time has no unit.
+    /// Of every time: `s`; empty where the model has none.
     pub time_unit: String,
     /// Length of a physics step.
     pub step: f64,
@@ -17,7 +24,7 @@ pub struct Scene {
     pub up: DVec3,
     /// Where the creatures face at the start, unit length, across `up`.
     pub forward: DVec3,
-    /// Whose centres of mass the frames tell, the creature under test first.
+    /// Whose centres of mass the frames tell.
     pub creatures: Vec<String>,
     /// What moves; a frame has a pose of each.
     pub parts: Vec<Part>,
@@ -85,6 +92,11 @@ pub enum Shape {
         /// Nodes at the corners of each triangle, counter-clockwise from outside.
         triangles: Vec<[u32; 3]>,
     },
+    /// The inside of a box, as a tank's.
+    Room {
+        /// From its middle to its walls.
+        half: DVec3,
+    },
     /// A speck that takes no room.
     Point,
     /// A light.
@@ -92,7 +104,7 @@ pub enum Shape {
         /// In the system's measure.
         strength: f64,
     },
-    /// All below z = 0.
+    /// All below its origin, as the scene's `up` has it.
     Ground,
 }
 
@@ -127,8 +139,3 @@ impl Pose {
         Pose::Rigid { position, orientation: DQuat::IDENTITY }
     }
 }
-
-mod keep;
-mod pose;
-
-pub use keep::{Keeper, Recording, Shot};

@@ -26,6 +26,8 @@ pub struct Hatchery {
     address: SocketAddr,
     client: Client,
     folder: TempDir,
+    /// Heartbeat and timeout, ms.
+    pace: [u32; 2],
 }
 
 impl Hatchery {
@@ -44,11 +46,22 @@ impl Hatchery {
         hatchery
     }
 
+    /// Starts a coordinator on a new lineage that hears of its workers at a pace of its own, milliseconds.
+    pub fn with_heartbeat(heartbeat_ms: u32, timeout_ms: u32) -> Hatchery {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        Hatchery::start(folder, [heartbeat_ms, timeout_ms])
+    }
+
     /// Starts a coordinator in a folder, which may hold a lineage already.
     pub fn in_folder(folder: TempDir) -> Hatchery {
+        Hatchery::start(folder, [HEARTBEAT_MS, TIMEOUT_MS])
+    }
+
+    fn start(folder: TempDir, pace: [u32; 2]) -> Hatchery {
         let any_port = "127.0.0.1:0".parse().expect("an address");
-        let (coordinator, address) = start_coordinator(folder.path(), any_port);
-        Hatchery { workers: BTreeMap::new(), coordinator, address, client: Client::new(address), folder }
+        let (coordinator, address) = start_coordinator(folder.path(), any_port, pace);
+        let client = Client::new(address);
+        Hatchery { workers: BTreeMap::new(), coordinator, address, client, folder, pace }
     }
 
     /// Where everything is.
@@ -84,7 +97,7 @@ impl Hatchery {
     /// Starts the coordinator again on the same lineage and address.
     pub fn restart_coordinator(&mut self) {
         self.coordinator.kill();
-        (self.coordinator, _) = start_coordinator(self.folder.path(), self.address);
+        (self.coordinator, _) = start_coordinator(self.folder.path(), self.address, self.pace);
     }
 
     /// Starts a worker of one slot.
@@ -165,15 +178,15 @@ impl Default for Hatchery {
     }
 }
 
-fn start_coordinator(folder: &Path, listen: SocketAddr) -> (Process, SocketAddr) {
+fn start_coordinator(folder: &Path, listen: SocketAddr, pace: [u32; 2]) -> (Process, SocketAddr) {
     let file = folder.join("address");
     // One of an earlier start would be read before this one is there.
     let _ = std::fs::remove_file(&file);
     let mut command = Command::new(program("hatchery-coordinator"));
     command.arg("--db").arg(folder.join("lineage.db"));
     command.arg("--listen").arg(listen.to_string()).arg("--address-file").arg(&file);
-    command.arg("--heartbeat-ms").arg(HEARTBEAT_MS.to_string());
-    command.arg("--timeout-ms").arg(TIMEOUT_MS.to_string());
+    command.arg("--heartbeat-ms").arg(pace[0].to_string());
+    command.arg("--timeout-ms").arg(pace[1].to_string());
     command.env("HATCHERY_LOG", "info");
     let mut process = Process::start(&mut command, &folder.join("coordinator.log"));
     let deadline = Instant::now() + PATIENCE;

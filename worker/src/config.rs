@@ -3,8 +3,10 @@
 use creatures::System;
 use std::fs;
 use std::num::NonZeroUsize;
+use std::pin::Pin;
 use std::thread::available_parallelism;
-use tonic::transport::Endpoint;
+use std::time::Duration;
+use tonic::transport::{self, Channel, Endpoint};
 
 /// The most slots that one worker may offer.
 pub const SLOTS_MAX: usize = 4096;
@@ -13,6 +15,19 @@ pub const NAME_SIZE_MAX: usize = 128;
 
 /// Finds a system by its name.
 pub type Registry = fn(&str) -> Option<&'static dyn System>;
+
+/// Opens the connection to a coordinator.
+pub type Dial = fn(Endpoint) -> Pin<Box<dyn Future<Output = Result<Channel, transport::Error>> + Send>>;
+
+/// What evaluates in a slot.
+#[derive(Debug, Clone, Copy)]
+pub enum Hands {
+    /// A plain thread.
+    Threads,
+    /// A task on the runtime, which takes as long as this says of a genotype and its seed: where time is
+    /// simulated, threads would run ahead of it.
+    Simulated(fn(&[u8], u64) -> Duration),
+}
 
 /// A worker's settings.
 #[derive(Debug, Clone)]
@@ -31,6 +46,10 @@ pub struct Config {
     pub fingerprint: [u8; 32],
     /// What it says of its release when it joins.
     pub version: String,
+    /// How it reaches the coordinator: over TCP, unless the network is simulated.
+    pub dial: Dial,
+    /// What evaluates: threads, unless time is simulated.
+    pub hands: Hands,
 }
 
 /// What is wrong with a worker's settings.
@@ -72,6 +91,8 @@ impl Config {
             systems: creatures::system,
             fingerprint: creatures::fingerprint(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
+            dial: |endpoint| Box::pin(async move { endpoint.connect().await }),
+            hands: Hands::Threads,
         })
     }
 

@@ -56,13 +56,14 @@ pub enum WorkerError {
 /// # Errors
 /// When the coordinator refuses this worker for good.
 pub async fn run(config: Config, shutdown: impl Future<Output = ()>) -> Result<(), WorkerError> {
-    let slots = Slots::start(config.slots).map_err(WorkerError::Thread)?;
+    let slots = Slots::start(config.slots, config.hands).map_err(WorkerError::Thread)?;
     let mut shutdown = pin!(shutdown);
-    let mut backoff = Backoff::new();
+    let mut backoff = Backoff::new(&config.name);
     let mut lineage = Bytes::new();
     let mut told = String::new(); // a coordinator that stays away is worth one line
     loop {
         let end = tokio::select! {
+            biased;
             () = &mut shutdown => return Ok(()),
             attached = attach(&config, &slots, &mut lineage) => match attached {
                 Ok(session) => {
@@ -86,6 +87,7 @@ pub async fn run(config: Config, shutdown: impl Future<Output = ()>) -> Result<(
                 }
                 told = reason;
                 tokio::select! {
+                    biased;
                     () = &mut shutdown => return Ok(()),
                     () = sleep(wait) => {}
                 }
@@ -135,7 +137,7 @@ async fn attach(config: &Config, slots: &Slots, lineage: &mut Bytes) -> Result<S
         .keep_alive_timeout(Duration::from_secs(10))
         .keep_alive_while_idle(true);
     let hello = async {
-        let channel = endpoint.connect().await.map_err(|error| End::Lost(chain(&error)))?;
+        let channel = (config.dial)(endpoint).await.map_err(|error| End::Lost(chain(&error)))?;
         let mut client = FleetClient::new(channel)
             .max_decoding_message_size(MESSAGE_SIZE_MAX)
             .max_encoding_message_size(MESSAGE_SIZE_MAX);
@@ -224,12 +226,14 @@ impl Session {
             }
             // Once the sending half has closed, the reason is about to come in.
             let sends = (stirred || !self.outgoing.is_empty()) && !self.sender.is_closed();
+            // In a fixed order, so that a simulation replays. What comes in has an end: the window.
             let event = tokio::select! {
-                message = self.incoming.message() => Event::Incoming(message),
-                room = self.sender.reserve(), if sends => Event::Room(room.is_ok()),
-                () = slots.stirred(), if !stirred => Event::Stirred,
-                _ = beat.tick() => Event::Beat,
+                biased;
                 () = &mut shutdown, if !self.draining => Event::Shutdown,
+                _ = beat.tick() => Event::Beat,
+                room = self.sender.reserve(), if sends => Event::Room(room.is_ok()),
+                message = self.incoming.message() => Event::Incoming(message),
+                () = slots.stirred(), if !stirred => Event::Stirred,
             };
             match event {
                 Event::Incoming(message) => match self.take(message, slots) {

@@ -1,6 +1,8 @@
-//! Slots: plain threads that evaluate one after another from one queue, in its order, behind one lock.
+//! Slots: plain threads that evaluate one after another from one queue, in its order, behind one lock. Where
+//! time is simulated, tasks take their place.
 //! They know no stream; whoever holds one feeds the queue and takes the reports.
 
+use crate::config::Hands;
 use crate::reports::{Attempt, Evaluation, Failure, News, Outbox, Report};
 use crate::tasks::{chain, words};
 use crate::window::Pace;
@@ -8,7 +10,7 @@ use creatures::{Interim, Observer};
 use std::collections::{BTreeSet, VecDeque};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use std::{io, thread};
 use tokio::sync::Notify;
 
@@ -22,6 +24,8 @@ struct Shared {
     state: Mutex<State>,
     /// Signalled when the queue has grown and a slot waits.
     work: Condvar,
+    /// The same for slots in simulated time.
+    simulated_work: Notify,
     /// Signalled when reports are worth sending, or when the last slot has become idle.
     stirred: Notify,
 }
@@ -45,11 +49,11 @@ struct Running {
 }
 
 impl Slots {
-    /// Starts the threads.
+    /// Starts the threads, or the tasks in their place.
     ///
     /// # Errors
-    /// When the system refuses one.
-    pub(crate) fn start(count: usize) -> io::Result<Self> {
+    /// When the system refuses a thread.
+    pub(crate) fn start(count: usize, hands: Hands) -> io::Result<Self> {
         let state = State {
             queue: VecDeque::new(),
             running: vec![None; count],
@@ -59,11 +63,21 @@ impl Slots {
             waiting_slots: 0,
             closed: false,
         };
-        let shared = Shared { state: Mutex::new(state), work: Condvar::new(), stirred: Notify::new() };
+        let shared = Shared {
+            state: Mutex::new(state),
+            work: Condvar::new(),
+            simulated_work: Notify::new(),
+            stirred: Notify::new(),
+        };
         let slots = Slots { count, shared: Arc::new(shared) };
         for slot in 0..count {
             let shared = Arc::clone(&slots.shared);
-            thread::Builder::new().name(format!("slot-{slot}")).spawn(move || shared.run(slot))?;
+            match hands {
+                Hands::Threads => {
+                    thread::Builder::new().name(format!("slot-{slot}")).spawn(move || shared.run(slot))?;
+                }
+                Hands::Simulated(takes) => drop(tokio::spawn(shared.simulate(slot, takes))),
+            }
         }
         Ok(slots)
     }
@@ -80,6 +94,7 @@ impl Slots {
         } else {
             (0..count).for_each(|_| self.shared.work.notify_one());
         }
+        self.shared.simulated_work.notify_waiters();
     }
 
     /// Adds a report of an evaluation that never got to a slot.
@@ -160,10 +175,18 @@ impl Drop for Slots {
         state.queue.clear();
         drop(state);
         self.shared.work.notify_all();
+        self.shared.simulated_work.notify_waiters();
     }
 }
 
 impl State {
+    /// The next evaluation, which this slot then runs.
+    fn begin(&mut self, slot: usize) -> Option<Evaluation> {
+        let evaluation = self.queue.pop_front()?;
+        self.running[slot] = Some(Running { attempt: evaluation.attempt, wanted: true });
+        Some(evaluation)
+    }
+
     /// Takes a slot's last report. True if it is time to wake somebody.
     fn hand_in(&mut self, slot: usize, report: Report) -> bool {
         self.pace.observe(report.seconds);
@@ -202,6 +225,33 @@ impl Shared {
         }
     }
 
+    /// A slot's whole life in simulated time.
+    async fn simulate(self: Arc<Self>, slot: usize, takes: fn(&[u8], u64) -> Duration) {
+        loop {
+            let more = self.simulated_work.notified(); // from here on, so that no call is missed
+            let next = {
+                let mut state = self.lock();
+                if state.closed {
+                    return;
+                }
+                state.begin(slot)
+            };
+            let Some(evaluation) = next else {
+                more.await;
+                continue;
+            };
+            let took = takes(&evaluation.genotype, evaluation.seed);
+            tokio::time::sleep(took).await;
+            let (attempt, seconds) = (evaluation.attempt, took.as_secs_f64());
+            let news = live(&evaluation, &mut |interim: Interim| {
+                self.tell(slot, Report { attempt, seconds, news: News::Interim(interim) });
+            });
+            if self.lock().hand_in(slot, Report { attempt, seconds, news }) {
+                self.stirred.notify_one();
+            }
+        }
+    }
+
     fn tell(&self, slot: usize, report: Report) {
         let mut state = self.lock();
         let wanted = state.running[slot].is_some_and(|running| running.wanted);
@@ -226,8 +276,7 @@ impl Shared {
             if state.closed {
                 return None;
             }
-            if let Some(evaluation) = state.queue.pop_front() {
-                state.running[slot] = Some(Running { attempt: evaluation.attempt, wanted: true });
+            if let Some(evaluation) = state.begin(slot) {
                 return Some(evaluation);
             }
             state.waiting_slots += 1;

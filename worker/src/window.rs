@@ -5,7 +5,7 @@
 /// read, a thread woken. Seconds. A slot that has so much work ahead of it never waits.
 const TURNAROUND: f64 = 0.003;
 /// What reports may wait for company, so that short evaluations share a wake-up and a message. Seconds.
-const COMPANY: f64 = 0.000_05;
+const COMPANY: f64 = 0.010;
 /// However short evaluations are, more of them a slot only grow messages and the loss when a worker dies.
 const PER_SLOT_MAX: usize = 128;
 /// The most that a coordinator grants.

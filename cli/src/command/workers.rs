@@ -1,4 +1,4 @@
-//! `hatchery workers`: who is attached to a coordinator, and what they did.
+//! `hatchery workers`: who is attached to a coordinator, what they did, and why they do nothing.
 
 use proto::v1::{WorkerInfo, WorkersRequest};
 
@@ -10,12 +10,13 @@ use crate::render::{Output, json, number};
 
 pub(super) async fn workers(dial: &Dial, output: Output) -> Result<(), Failure> {
     let connection = Connection::open(&Source::coordinator(dial)).await?;
-    let workers = connection.fleet().workers(within(PROMPT, WorkersRequest {})).await?.into_inner().workers;
+    let reply = connection.fleet().workers(within(PROMPT, WorkersRequest {})).await?.into_inner();
+    let (workers, notes) = (reply.workers, reply.notes);
     if output.json {
         return output.document(&workers.iter().map(json::worker).collect::<Vec<_>>());
     }
     if workers.is_empty() {
-        return output.line("no worker is attached: start some with hatchery-worker --coordinator URL");
+        return output.line(notes.join("\n"));
     }
     let columns = [
         Column::Right("id"),
@@ -45,5 +46,9 @@ pub(super) async fn workers(dial: &Dial, output: Output) -> Result<(), Failure> 
             number::time(of.attached_ms),
         ]
     };
-    output.line(table(&columns, workers.iter().map(row)))
+    let mut text = table(&columns, workers.iter().map(row));
+    for note in notes {
+        text.push_str(&format!("\n{note}"));
+    }
+    output.line(text)
 }

@@ -11,6 +11,7 @@ use search::{Experiment, Place, Search};
 use serde_json::json;
 use tokio::sync::watch;
 use tokio::task::JoinSet;
+use tracing::Instrument as _;
 
 use super::Driver;
 use super::generation::{Generation, Inherited};
@@ -171,7 +172,8 @@ impl Conductor {
         turning: &mut JoinSet<Result<Option<Run>, ConductError>>,
     ) {
         if run.generation.complete() {
-            turning.spawn(async move { self.turn(run).await });
+            let span = tracing::debug_span!("turn", run = run.number, generation = run.generation.number);
+            turning.spawn(async move { self.turn(run).await }.instrument(span));
         } else {
             let evaluations = std::mem::take(&mut run.evaluations);
             waiting.insert(run.generation.first(), run);
@@ -389,6 +391,7 @@ impl Conductor {
     }
 
     /// Commits what was settled.
+    #[tracing::instrument(level = "debug", skip_all, fields(outcomes = unwritten.evaluated.len()))]
     async fn write(&self, unwritten: &mut Unwritten) -> Result<(), ConductError> {
         self.driver.shared.lineage.record(std::mem::take(&mut unwritten.evaluated)).await?;
         Ok(())

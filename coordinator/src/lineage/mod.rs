@@ -3,6 +3,7 @@
 //! genotype, and waits on no reader.
 
 mod checkpoint;
+mod commits;
 mod entry;
 mod error;
 mod fault;
@@ -26,6 +27,7 @@ mod tests;
 mod transaction;
 mod writer;
 
+pub(crate) use commits::Commits;
 pub use entry::{
     Attempt, CloseGeneration, Culling, Ending, Evaluated, Event, Fate, Joined, NewExperiment, NewStage,
     OpenGeneration, Ruling, SetAside, State,
@@ -82,6 +84,7 @@ struct Shared {
     room: Arc<Semaphore>,
     shelves: Mutex<BTreeMap<StageId, Arc<Shelf>>>,
     health: watch::Receiver<Health>,
+    commits: Commits,
     closing: watch::Sender<bool>,
     end: Arc<OnceLock<String>>,
     writer: Mutex<Option<JoinHandle<Result<(), WriteError>>>>,
@@ -117,6 +120,7 @@ impl Lineage {
         let (health, felt) = watch::channel(Health::Good);
         let (closing, closed) = watch::channel(false);
         let end = Arc::new(OnceLock::new());
+        let commits = Commits::default();
         let writer = Writer {
             connection,
             register,
@@ -124,13 +128,15 @@ impl Lineage {
             health,
             closing: closed,
             end: end.clone(),
+            commits: commits.clone(),
             wal: checkpoint::WalKeeper::start(path, options),
             lock,
         };
         let writer = Mutex::new(Some(tokio::spawn(writer.run())));
         let room = Arc::new(Semaphore::new(OUTCOMES_MAX));
         let shelves = Mutex::default();
-        let shared = Shared { identity, reader, queue, room, shelves, health: felt, closing, end, writer };
+        let health = felt;
+        let shared = Shared { identity, reader, queue, room, shelves, health, commits, closing, end, writer };
         Ok(Lineage { shared: Arc::new(shared) })
     }
 
@@ -147,6 +153,11 @@ impl Lineage {
     /// Whether what is recorded reaches the disk.
     pub fn health(&self) -> watch::Receiver<Health> {
         self.shared.health.clone()
+    }
+
+    /// What the writer has done, for a scrape.
+    pub(crate) fn commits(&self) -> &Commits {
+        &self.shared.commits
     }
 
     /// Writes experiments down as running, all or none, and gives their numbers in order.

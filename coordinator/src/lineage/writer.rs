@@ -2,6 +2,7 @@
 //! not reach the disk until it does. It computes nothing and reads nothing on the way of outcomes.
 
 use super::checkpoint::WalKeeper;
+use super::commits::Commits;
 use super::entry::{CloseGeneration, Evaluated, Event, Joined, NewExperiment, NewStage, State};
 use super::fault::{Fault, fault, words};
 use super::file::Lock;
@@ -14,6 +15,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot, watch};
 use tokio::time::{Instant, timeout_at};
+use tracing::Instrument as _;
 
 /// Outcomes on their way, at most; who records more waits.
 pub(super) const OUTCOMES_MAX: usize = 1 << 16;
@@ -88,6 +90,7 @@ pub(super) struct Writer {
     pub(super) closing: watch::Receiver<bool>,
     /// Why nothing will ever be written again.
     pub(super) end: Arc<OnceLock<String>>,
+    pub(super) commits: Commits,
     pub(super) wal: WalKeeper,
     /// Held until the last commit.
     pub(super) lock: Lock,
@@ -154,8 +157,11 @@ impl Writer {
     async fn write(&mut self, batch: Vec<Queued>) -> Result<(), String> {
         let mut pause = RETRY.0;
         loop {
-            let error = match self.attempt(&batch).await {
+            let (began, count) = (Instant::now(), batch.iter().map(outcomes).sum());
+            let span = tracing::debug_span!("commit", entries = batch.len(), outcomes = count);
+            let error = match self.attempt(&batch).instrument(span).await {
                 Ok(answers) => {
+                    self.commits.committed(began.elapsed(), count);
                     for (queued, answer) in batch.into_iter().zip(answers) {
                         if let Some(waiting) = queued.answer {
                             let _ = waiting.send(answer); // nobody need wait to the end
@@ -167,6 +173,7 @@ impl Writer {
                 }
                 Err(error) => error,
             };
+            self.commits.failed();
             let _ = self.connection.execute("ROLLBACK").await; // SQLite may have done so itself
             let reason = words(&error);
             self.feel(Health::Stuck { reason: reason.clone() });

@@ -96,6 +96,8 @@ pub struct Settled {
     pub result: Result<Outcome, SetAside>,
     /// The ruling on its interim report, if one was asked for and reached.
     pub ruling: Option<Ruling>,
+    /// Physics steps that it would have lived on, had it not been culled: by the rule's share of the task.
+    pub steps_spared: u64,
     /// The attempts at it by number, the last [`super::ATTEMPTS_KEPT`] of them at least.
     pub attempts: Vec<Attempt>,
 }

@@ -124,6 +124,8 @@ pub enum Order {
         worker: WorkerId,
         /// Why.
         loss: Loss,
+        /// How many leases ended with it.
+        leases: u64,
     },
     /// Tell a queue's owner what is settled, and what contradicts it.
     Deliver {
@@ -174,7 +176,7 @@ pub struct Scheduler {
     /// Workers and queues with something in their boxes, and workers to dismiss: this round's orders.
     told: BTreeSet<WorkerId>,
     delivered: BTreeSet<QueueId>,
-    dismissed: Vec<(WorkerId, Loss)>,
+    dismissed: Vec<(WorkerId, Loss, u64)>,
     worker_next: u64,
     queue_next: u64,
     /// When the time was last advanced, and stragglers last looked for.
@@ -315,9 +317,10 @@ impl Scheduler {
     }
 
     /// A worker is attached no more. Its leases are void, and what it may have been running gets a strike if
-    /// that may have been the cause.
-    pub fn lose(&mut self, worker: WorkerId, loss: Loss, now: Millis) {
-        let Some(state) = self.workers.remove(&worker) else { return };
+    /// that may have been the cause. Gives the number of leases that ended so.
+    pub fn lose(&mut self, worker: WorkerId, loss: Loss, now: Millis) -> u64 {
+        let Some(state) = self.workers.remove(&worker) else { return 0 };
+        let lost_before = state.lost;
         if let Some(load) = state.filed {
             self.free.remove(&(load, worker));
         }
@@ -338,7 +341,9 @@ impl Scheduler {
         if self.gone.len() == GONE_REMEMBERED {
             self.gone.pop_front();
         }
+        let lost = info.lost - lost_before;
         self.gone.push_back(WorkerInfo { state: WorkerState::Gone, in_flight: 0, ..info });
+        lost
     }
 
     /// Lets time pass: workers that were silent for too long, or run one evaluation for too long, are lost.
@@ -377,7 +382,7 @@ impl Scheduler {
         }
         let dismissed = std::mem::take(&mut self.dismissed).into_iter();
         let mut orders: Vec<Order> =
-            dismissed.map(|(worker, loss)| Order::Dismiss { worker, loss }).collect();
+            dismissed.map(|(worker, loss, leases)| Order::Dismiss { worker, loss, leases }).collect();
         for worker in std::mem::take(&mut self.told) {
             let Some(state) = self.workers.get_mut(&worker) else { continue };
             let (revoked, assigned) =
@@ -412,8 +417,8 @@ impl Scheduler {
 
     /// Loses a worker on this side's account.
     fn dismiss(&mut self, worker: WorkerId, loss: Loss, now: Millis) {
-        self.lose(worker, loss, now);
-        self.dismissed.push((worker, loss));
+        let leases = self.lose(worker, loss, now);
+        self.dismissed.push((worker, loss, leases));
     }
 
     /// Puts a worker where its load and window say.

@@ -7,7 +7,7 @@ use super::{
     AttemptId, Conflict, Entry, Loss, Millis, News, QueueId, Report, Scheduler, Settled, WorkerId, ruling,
 };
 use crate::lineage::{Fate, SetAside};
-use creatures::Outcome;
+use creatures::{Outcome, Status};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -181,12 +181,17 @@ impl Scheduler {
     /// Settles an evaluation for its owner.
     fn settle(&mut self, evaluation: u64, result: Result<Outcome, SetAside>, now: Millis) {
         let entry = self.close(evaluation, now);
+        let culled = result.as_ref().ok().filter(|outcome| outcome.status == Status::Culled);
+        let steps_spared = culled
+            .zip(entry.evaluation.cull)
+            .map_or(0, |(outcome, cull)| (f64::from(outcome.steps) * (1.0 / cull.at - 1.0)).round() as u64);
         let fate = if result.is_ok() { Fate::Duplicate } else { Fate::Lost("set aside".to_owned()) };
         let queue = self.queues.get_mut(&entry.queue).expect("queues outlive their evaluations");
         queue.settled.push(Settled {
             id: evaluation,
             result,
             ruling: entry.ruling,
+            steps_spared,
             attempts: entry.attempts.into_iter().map(|tried| tried.record(&fate)).collect(),
         });
         self.delivered.insert(entry.queue);

@@ -57,13 +57,17 @@ impl v1::fleet_server::Fleet for FleetService {
         let Some(v1::WorkerMessage { kind: Some(Kind::Hello(hello)) }) = first else {
             return Err(Refusal::Hello("it must come first".to_owned()).into());
         };
-        let fingerprint = self.vet(&hello)?;
-        let hello = self.introduce(hello)?;
-        let attachment = self
-            .fleet
-            .attach(hello, fingerprint)
-            .await
-            .ok_or_else(|| Status::unavailable("the coordinator goes away"))??;
+        let (name, host) = (hello.name.clone(), hello.host.clone());
+        let admitted = match self.vet(&hello).and_then(|print| Ok((self.introduce(hello)?, print))) {
+            Ok((hello, fingerprint)) => self
+                .fleet
+                .attach(hello, fingerprint)
+                .await
+                .ok_or_else(|| Status::unavailable("the coordinator goes away"))?,
+            Err(refusal) => Err(refusal),
+        };
+        let attachment = admitted
+            .inspect_err(|refusal| self.fleet.turned_away(&printable(&name), &printable(&host), refusal))?;
         tokio::spawn(listen(incoming, attachment.mouth(), attachment.closed));
         Ok(Response::new(ReceiverStream::new(attachment.messages)))
     }
@@ -74,7 +78,7 @@ impl v1::fleet_server::Fleet for FleetService {
     ) -> Result<Response<v1::WorkersReply>, Status> {
         let workers = self.fleet.workers().await;
         let workers = workers.into_iter().map(|worker| self.render(worker)).collect();
-        Ok(Response::new(v1::WorkersReply { workers }))
+        Ok(Response::new(v1::WorkersReply { workers, notes: self.fleet.notes() }))
     }
 }
 
@@ -167,8 +171,9 @@ async fn listen(
 ) {
     loop {
         let message = tokio::select! {
-            message = incoming.message() => message,
+            biased; // so that a simulation replays
             _ = &mut closed => break,
+            message = incoming.message() => message,
         };
         let passed = match message {
             Ok(Some(message)) => pass_on(message, &mouth).await,
@@ -206,6 +211,11 @@ async fn pass_on(message: v1::WorkerMessage, mouth: &Mouth) -> Result<(), Status
         None => return Err(Status::invalid_argument("a message of an unknown kind")),
     }
     Ok(())
+}
+
+/// A stranger's word about itself, short and without control characters.
+fn printable(word: &str) -> String {
+    word.chars().take(64).collect::<String>().escape_debug().to_string()
 }
 
 fn attempt(v1::Attempt { evaluation, number }: v1::Attempt) -> AttemptId {

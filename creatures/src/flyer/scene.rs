@@ -3,7 +3,6 @@
 
 use super::phenotype::Phenotype;
 use super::skeleton::Bone;
-use crate::math::from_rotation_to;
 use crate::record::{Frame, Part, Pose, Prop, Scene, Shape};
 use glam::DVec3;
 
@@ -29,11 +28,7 @@ pub(super) fn scene(bones: &[Bone], step: f64) -> Scene {
         forward: DVec3::Z,
         creatures: vec!["flyer".to_owned()],
         parts: bones.iter().enumerate().map(part).collect(),
-        props: vec![Prop {
-            name: "ground".to_owned(),
-            shape: Shape::Ground,
-            pose: Pose::Rigid { position: DVec3::ZERO, orientation: from_rotation_to(DVec3::Y) },
-        }],
+        props: vec![Prop { name: "ground".to_owned(), shape: Shape::Ground, pose: Pose::at(DVec3::ZERO) }],
     }
 }
 

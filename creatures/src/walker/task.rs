@@ -4,7 +4,7 @@
 use super::body::BodyKind;
 use super::genotype::Genotype;
 use super::phenotype::{Footing, Phenotype};
-use super::{grn, neat, sensors};
+use super::{grn, neat, scene, sensors};
 use crate::math::pow;
 use crate::{Cull, DecodeError, Interim, Observer, Outcome, Reason, SpecError, Status, Task, Verdict};
 use glam::DVec3;
@@ -211,6 +211,8 @@ impl<'a> Life<'a> {
         let dt = 1.0 / f64::from(task.physics_hz);
         let steps = task.controls() * task.substeps();
         let cull = cull.map(|cull| (cull, (cull.at * f64::from(steps)) as u32));
+        observer.trial(0, &|| scene::scene(task.body, dt));
+        self.show(dt, observer);
         for _ in 0..task.controls() {
             if let Err(fault) = self.phenotype.sense(&mut readings) {
                 return self.abort(Reason::NonFinite, &fault);
@@ -232,12 +234,18 @@ impl<'a> Life<'a> {
                 }
                 self.steps += 1;
                 self.measure(dt);
+                self.show(dt, observer);
             }
             if let Some(excess) = self.excess() {
                 return self.abort(Reason::BlowUp, &excess);
             }
         }
         End::Completed
+    }
+
+    /// Lets the observer see where everything is.
+    fn show(&self, dt: f64, observer: &mut dyn Observer) {
+        observer.frame(f64::from(self.steps) * dt, &|| scene::frame(&self.phenotype));
     }
 
     fn abort(&self, reason: Reason, what: &dyn std::fmt::Display) -> End {

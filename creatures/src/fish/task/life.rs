@@ -1,7 +1,8 @@
 //! What all trials have in common: counting steps, the interim report, and how an end becomes an outcome. It
 //! knows no task.
 
-use crate::fish::mechanics::Fault;
+use crate::fish::mechanics::{Fault, TIME_STEP};
+use crate::record::{Frame, Scene};
 use crate::{Cull, Interim, Observer, Outcome, Reason, Status, Verdict};
 
 /// Watches one evaluation.
@@ -35,6 +36,16 @@ impl<'a> Watch<'a> {
     ) -> Watch<'a> {
         let cull = cull.map(|cull| (cull, ((cull.at * f64::from(steps)) as u32).max(1)));
         Watch { steps: 0, cull, observer, interim: None }
+    }
+
+    /// A trial of a number begins.
+    pub(in crate::fish) fn trial(&mut self, number: u32, scene: impl Fn() -> Scene) {
+        self.observer.trial(number, &scene);
+    }
+
+    /// A trial stands after so many steps of its own.
+    pub(in crate::fish) fn frame(&mut self, steps: u32, frame: impl Fn() -> Frame) {
+        self.observer.frame(f64::from(steps) * TIME_STEP, &frame);
     }
 
     /// Counts a step, and makes the interim report if it is due.
