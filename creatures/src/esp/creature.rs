@@ -14,7 +14,10 @@ use super::physics::Physics;
 use super::trial::{Light, Living, State};
 use crate::math::atan2;
 use crate::physics::contact::{self, Joint, JointKind, Pose, World};
+use crate::record::{Frame, Scene};
 use glam::{DQuat, DVec3};
+
+mod scene;
 
 /// Height of the lowest point at the spawn, m (E-20).
 const CLEARANCE: f64 = 0.01;
@@ -41,6 +44,8 @@ pub struct Creature<'a> {
     balance: Balance,
     /// J of surplus that are a fault.
     surplus_max: f64,
+    /// Centres of the discs that were placed, m.
+    discs: Vec<DVec3>,
     steps: u32,
     settled: bool,
 }
@@ -68,6 +73,11 @@ impl<'a> Creature<'a> {
         creature.settled = true;
         creature.steps = 0;
         Ok(creature)
+    }
+
+    /// The world that it is in, for who steps that alone.
+    pub fn world_mut(&mut self) -> &mut World {
+        &mut self.world
     }
 
     /// How far the worst joint is apart where it should not be, m (E-23).
@@ -115,6 +125,7 @@ impl<'a> Creature<'a> {
             state: State::default(),
             balance: Balance::default(),
             surplus_max: super::energy::TOLERANCE * mass * physics.gravity,
+            discs: Vec::new(),
             steps: 0,
             settled: false,
         };
@@ -269,8 +280,9 @@ impl Living for Creature<'_> {
 
     fn place_discs(&mut self, centre: DVec3, count: usize) {
         for disc in 0..count {
-            let height = (disc as f64 + 0.5) * DISC_HEIGHT;
-            self.world.place_disc(centre.with_z(height), DISC_RADIUS, DISC_HEIGHT);
+            let centre = centre.with_z((disc as f64 + 0.5) * DISC_HEIGHT);
+            self.world.place_disc(centre, DISC_RADIUS, DISC_HEIGHT);
+            self.discs.push(centre);
         }
     }
 
@@ -291,6 +303,14 @@ impl Living for Creature<'_> {
 
     fn step(&mut self, activations: &[f64]) -> Result<(), Fault> {
         self.advance(activations)
+    }
+
+    fn scene(&self) -> Scene {
+        self.view()
+    }
+
+    fn frame(&self) -> Frame {
+        self.shot()
     }
 }
 
@@ -314,4 +334,4 @@ fn link(joint: &PartJoint) -> Joint {
 }
 
 #[cfg(test)]
-pub(super) mod tests;
+mod tests;

@@ -4,7 +4,8 @@
 use super::brain::{Brain, Circuit, Forced, Instances};
 use super::fitness::{Context, Fitness, Record, Setup};
 use super::syllabus::SkillId;
-use super::trial::{Living, live};
+use super::trial::{Living, Show, live};
+use crate::Observer;
 
 /// One skill to test.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,12 +59,18 @@ where
     S: FnMut(&Setup) -> Result<L, L::Fault>,
     L: Living,
 {
-    /// Makes the tests in order. Draws nothing.
-    pub fn examine(&mut self, tests: &[Test], context: &Context) -> Report<L::Fault> {
+    /// Makes the tests in order, and shows their trials to who watches. Draws nothing.
+    pub fn examine(
+        &mut self,
+        tests: &[Test],
+        context: &Context,
+        observer: &mut dyn Observer,
+    ) -> Report<L::Fault> {
         let mut report = Report { fitness: 0.0, tests: Vec::new(), skipped: 0, steps: 0 };
         let mut record = Record::default();
+        let mut show = Show { observer, number: 0 };
         for (place, test) in tests.iter().enumerate() {
-            let result = self.test(test, context, &mut record, &mut report.steps);
+            let result = self.test(test, context, &mut record, &mut report.steps, &mut show);
             let score = result.score;
             report.tests.push(result);
             if test.stop_below.is_some_and(|least| score < least) {
@@ -83,6 +90,7 @@ where
         context: &Context,
         record: &mut Record,
         steps: &mut u64,
+        show: &mut Show,
     ) -> TestReport<L::Fault> {
         let scoring = test.fitness.scoring();
         let forced = [Forced { skill: test.skill, sigma: 1.0 }];
@@ -92,7 +100,7 @@ where
         for (place, setup) in scoring.trials(context).iter().enumerate() {
             record.moments.clear(); // a creature that does not settle has lived no step of its trial
             let lived = (self.spawn)(setup)
-                .and_then(|mut creature| live(&mut creature, &mut fresh.clone(), setup, record));
+                .and_then(|mut creature| live(&mut creature, &mut fresh.clone(), setup, record, show));
             *steps += record.lived().len() as u64;
             let score = match lived {
                 Ok(()) => {

@@ -58,8 +58,12 @@ impl System for Esp {
             let task = self.resolve(skill(fitness)).expect("the task is legal; a test says so");
             Proof { task: task.to_string(), genotype: genotype.encode(), seed: 0 }
         };
-        // A step of speed so small that no bit of the way is lost to it.
-        let walk = json!({ "kind": "locomotion", "seconds": 2.0, "speed_step": 1e-9 });
+        // Of all that was lived, so that no bit of it is lost.
+        let walk = json!({
+            "kind": "expression",
+            "seconds": 2.0,
+            "score": "mean(ground_force_bw) + mean(com_x) + mean(com_y) + mean(com_z) + mean(activation)",
+        });
         let see = json!({ "kind": "face_light", "seconds": 2.0, "distance": 2.0, "headings": [60, -120] });
         vec![proof(walk, sample::walker()), proof(see, sample::seeker())]
     }

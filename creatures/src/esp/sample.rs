@@ -16,46 +16,61 @@ const STRIDES: f64 = 1.5;
 /// How many oscillators it has, each a quarter of a stride after the other.
 const PHASES: u16 = 4;
 
+/// Where the front hips are along the trunk, m from its middle.
+pub const FRONT: f64 = 0.22;
+/// How often the tail's gene occurs.
+const TAIL: u8 = 3;
+
 /// The body: a trunk of 28.8 kg, four legs of two segments of 2.4 kg with muscles in front and behind, and eyes
 /// ahead, to the left and to the right.
 pub fn quadruped_body() -> Body {
-    let (trunk, thigh, shin) = (GeneId(0), GeneId(1), GeneId(2));
+    body(&[FRONT, -FRONT], false)
+}
+
+/// A trunk with a pair of legs at each of so many places along it, m, and a tail of three segments or none: 4
+/// parts without legs, 16 with three pairs.
+pub fn body(hips: &[f64], tail: bool) -> Body {
+    let (trunk, thigh, shin, link) = (GeneId(0), GeneId(1), GeneId(2), GeneId(3));
     let leg = Shape::Box([0.05, 0.05, 0.12]);
     let eyes = [DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::new(1.0, -1.0, 0.0)];
-    let eyes = eyes.into_iter().zip(20..).map(|(direction, id)| Receptor {
+    let eyes = eyes.into_iter().zip(100..).map(|(direction, id)| Receptor {
         id: GeneId(id),
         owner: SKILL,
         locked: false,
         direction: direction.normalize(),
     });
     let segment = |id, shape| Segment { id, shape, recursion_limit: 1, receptors: Vec::new() };
-    let hip = |id: u32, x: f64| {
-        let out = DVec3::new(x, 0.13, -0.06).normalize();
+    let hip = |(x, id): (&f64, u32)| {
+        let out = DVec3::new(*x, 0.13, -0.06).normalize();
         let muscles = [1.0, -1.0].map(|side| (out + 0.5 * side * DVec3::X, DVec3::new(side, 0.0, -0.3)));
-        edge(id, [trunk, thigh], out, true, muscles)
+        edge(id, [trunk, thigh], [out, DVec3::Z], true, muscles)
     };
+    let mut segments = vec![
+        Segment { receptors: eyes.collect(), ..segment(trunk, Shape::Box([0.3, 0.15, 0.08])) },
+        segment(thigh, leg),
+        segment(shin, leg),
+    ];
+    let mut edges: Vec<Edge> = hips.iter().zip(10..).map(hip).collect();
     let knee = [1.0, -1.0].map(|side| (DVec3::new(side, 0.0, -0.5), DVec3::new(side, 0.0, 0.5)));
-    Body {
-        root: trunk,
-        next_id: 30,
-        segments: vec![
-            Segment { receptors: eyes.collect(), ..segment(trunk, Shape::Box([0.3, 0.15, 0.08])) },
-            segment(thigh, leg),
-            segment(shin, leg),
-        ],
-        edges: vec![hip(3, 0.22), hip(4, -0.22), edge(5, [thigh, shin], DVec3::NEG_Z, false, knee)],
+    edges.push(edge(20, [thigh, shin], [DVec3::NEG_Z, DVec3::Z], false, knee));
+    if tail {
+        segments.push(Segment { recursion_limit: TAIL, ..segment(link, Shape::Box([0.12, 0.06, 0.04])) });
+        let bend = [1.0, -1.0].map(|side| (DVec3::new(-0.5, 0.0, side), DVec3::new(0.5, 0.0, side)));
+        edges.push(edge(21, [trunk, link], [DVec3::NEG_X, DVec3::X], false, bend));
+        edges.push(edge(22, [link, link], [DVec3::NEG_X, DVec3::X], false, bend));
     }
+    Body { root: trunk, next_id: 200, segments, edges }
 }
 
-/// A hinge about y below a parent, with a muscle in front and one behind it.
+/// A hinge about y between a parent and a child, with two muscles that bend it either way.
 fn edge(
     id: u32,
     [from, to]: [GeneId; 2],
-    parent_dir: DVec3,
+    [parent_dir, child_dir]: [DVec3; 2],
     symmetric: bool,
     muscles: [(DVec3, DVec3); 2],
 ) -> Edge {
-    let muscles = muscles.into_iter().zip(2 * id + 4..).map(|((on_parent, on_child), id)| Muscle {
+    let muscles = muscles.into_iter().zip(2 * id + 20..).map(|((on_parent, on_child), id)| Muscle {
         id: GeneId(id),
         owner: SKILL,
         locked: false,
@@ -68,7 +83,7 @@ fn edge(
         from,
         to,
         parent_dir,
-        child_dir: DVec3::Z,
+        child_dir,
         orientation: DQuat::IDENTITY,
         gap: 0.03,
         scale: 1.0,
@@ -84,7 +99,11 @@ fn edge(
 
 /// It strides whatever it sees.
 pub fn walker() -> Genotype {
-    let body = quadruped_body();
+    walking(quadruped_body())
+}
+
+/// A body that strides whatever it sees.
+pub fn walking(body: Body) -> Genotype {
     let oscillator = |phase: u16| Node {
         kind: NodeKind::Sinusoidal { frequency: STRIDES, phase: f64::from(phase) / f64::from(PHASES) },
         inputs: Vec::new(),
@@ -131,12 +150,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_quadruped_is_legal() {
-        let body = quadruped_body();
-        body.check().unwrap();
-        let phenotype = body.develop().unwrap();
-        let counts = (phenotype.parts.len(), phenotype.muscles.len(), phenotype.receptors.len());
-        assert_eq!(counts, (9, 16, 3));
-        assert!((phenotype.mass() - 48.0).abs() < 1e-9);
+    fn bodies_are_legal() {
+        let cases = [
+            (body(&[], true), (4, 6, 3)),
+            (quadruped_body(), (9, 16, 3)),
+            (body(&[FRONT, 0.0, -FRONT], true), (16, 30, 3)),
+        ];
+        for (body, expected) in cases {
+            body.check().unwrap();
+            let phenotype = body.develop().unwrap();
+            let counts = (phenotype.parts.len(), phenotype.muscles.len(), phenotype.receptors.len());
+            assert_eq!(counts, expected);
+        }
+        assert!((quadruped_body().develop().unwrap().mass() - 48.0).abs() < 1e-9);
     }
 }

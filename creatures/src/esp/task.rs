@@ -280,7 +280,7 @@ impl Task for EspTask {
         genotype: &[u8],
         _seed: u64,           // a trial draws nothing (E-44)
         _cull: Option<&Cull>, // a creature is stopped by its tests (E-64); an experiment may have no culling
-        _observer: &mut dyn Observer,
+        observer: &mut dyn Observer,
     ) -> Result<Outcome, DecodeError> {
         let (genotype, phenotype) = self.read(genotype)?;
         let body = phenotype.instances();
@@ -290,7 +290,7 @@ impl Task for EspTask {
             body: &body,
             spawn: |setup: &Setup| Creature::spawn(&phenotype, self.physics, setup.start),
         };
-        let report = candidate.examine(&self.tests, &context);
+        let report = candidate.examine(&self.tests, &context, observer);
         Ok(self.outcome(&genotype, &phenotype, report))
     }
 }

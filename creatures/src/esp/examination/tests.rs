@@ -1,6 +1,7 @@
 //! Examinations of puppets.
 
 use super::*;
+use crate::Nobody;
 use crate::esp::fitness::Start;
 use crate::esp::fitness::tests::context;
 use crate::esp::trial::tests::{Broken, Puppet, constant, seeker};
@@ -17,7 +18,7 @@ fn examine(
     tests: &[Test],
 ) -> Report<Broken> {
     let body = Puppet::body();
-    Candidate { brain, body: &body, spawn }.examine(tests, &context())
+    Candidate { brain, body: &body, spawn }.examine(tests, &context(), &mut Nobody)
 }
 
 fn healthy(_: &Setup) -> Result<Puppet, Broken> {

@@ -7,6 +7,7 @@ fn settings() -> Settings {
     Settings {
         step: 1.0 / 240.0,
         rounds: 2,
+        sweeps: 6,
         gravity: 9.81,
         friction: 0.8,
         restitution: 0.1,

@@ -20,6 +20,8 @@ pub struct Settings {
     pub step: f64,
     /// Rounds of the solver in a step, each of which moves the parts by its share of the step.
     pub rounds: usize,
+    /// Sweeps over all joints and contacts in a round.
+    pub sweeps: usize,
     /// Downwards, m/s².
     pub gravity: f64,
     /// Of everything on everything.
@@ -86,6 +88,7 @@ impl World {
         let parameters = &mut engine.integration_parameters;
         parameters.dt = settings.step as f32;
         parameters.num_solver_iterations = settings.rounds;
+        parameters.num_internal_pgs_iterations = settings.sweeps;
         parameters.max_ccd_substeps = 0;
         parameters.length_unit = LENGTH_UNIT;
         parameters.warmstart_joints = true;
