@@ -30,7 +30,8 @@ fn a_slurm_job_whose_time_is_up_delivers_what_it_runs_and_ends_well() {
     assert_eq!(first.wait(Duration::from_secs(20)).code(), Some(0), "{}", first.log());
     hatchery.client().wait(id);
     assert_eq!(hatchery.client().hash(id), local::lineage(&text));
-    let thrown_away = "SELECT count(*) FROM v_evaluations WHERE fate LIKE 'lost%' AND fate <> 'lost:returned'";
+    let thrown_away =
+        "SELECT count(*) FROM v_evaluations WHERE fate LIKE 'lost%' AND fate <> 'lost:returned'";
     assert_eq!(hatchery.client().count(thrown_away), 0, "what ran was delivered");
 }
 
