@@ -49,8 +49,8 @@ pub trait Search: Send {
     /// them. An individual that the service had to set aside comes as `None` and counts as fitness 0.
     fn tell(&mut self, outcomes: &[Option<Outcome>]) -> Record;
 
-    /// All that the search needs to go on from here: taken after `tell` (or before the first `ask`), given
-    /// back to the registry's `restore`.
+    /// All that the search needs to go on from here: taken after `tell` or `pick` (or before the first `ask`),
+    /// given back to the registry's `restore`.
     fn checkpoint(&self) -> Vec<u8>;
 
     /// What is to be picked from before the search asks for more, at the end of a stage.
@@ -65,6 +65,11 @@ pub trait Search: Send {
     fn pick(&mut self, place: Place) -> Result<(), PickError> {
         let _ = place; // nothing is awaited
         Err(PickError::NotAwaited)
+    }
+
+    /// Why the search cannot go on; it then asks for nothing more (ESP E-82).
+    fn failure(&self) -> Option<String> {
+        None // most searches come to their end
     }
 }
 

@@ -1,7 +1,7 @@
 //! An experiment evaluated in this process, one individual after the other: no fleet, no database, no stream.
 //! What it gives is what every distributed run must give.
 
-use creatures::{Cull, Outcome, Status};
+use creatures::{Cull, Nobody, Outcome, Status};
 use search::hash::{HashRow, LineageHasher};
 use search::{Experiment, Individual, Overrides, Place};
 
@@ -37,9 +37,14 @@ pub fn experiment(text: &str) -> Experiment {
 /// # Panics
 /// When the file is no such experiment.
 pub fn lineage(text: &str) -> String {
+    hash_of(&history(&experiment(text)))
+}
+
+/// The lineage hash of individuals in order of run and place, in hexadecimal.
+pub fn hash_of<'a>(history: impl IntoIterator<Item = &'a Lived>) -> String {
     let mut hasher = LineageHasher::new();
-    for lived in history(&experiment(text)) {
-        hash(&mut hasher, &lived);
+    for lived in history {
+        hash(&mut hasher, lived);
     }
     hasher.finish().iter().map(|byte| format!("{byte:02x}")).collect()
 }
@@ -77,7 +82,7 @@ fn run_alone(experiment: &Experiment, run: u32) -> Vec<Lived> {
                 Some(from) if from.generation == generation => outcomes[from.index as usize].clone(),
                 Some(from) => previous[from.index as usize].clone(),
                 None => {
-                    let outcome = task.evaluate(&individual.genotype, seed, cull.as_ref(), &mut |_| {});
+                    let outcome = task.evaluate(&individual.genotype, seed, cull.as_ref(), &mut Nobody);
                     Some(outcome.expect("a search makes legal genotypes"))
                 }
             };

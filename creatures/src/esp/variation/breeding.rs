@@ -2,7 +2,7 @@
 //! Body and brain vary together, and a child whose body is illegal is drawn again (E-19).
 
 use super::Scope;
-use super::body::{Renaming, counterparts};
+use super::body::{FOUNDER_SEGMENTS, Renaming, counterparts};
 use super::draw::poisson;
 use crate::esp::body::{Body, Illegal, Phenotype};
 use crate::esp::brain::{Brain, Instances};
@@ -44,10 +44,12 @@ struct Breeding<'a> {
 
 impl Genotype {
     /// A creature that starts the first skill: a random body that has a muscle, and a random control of it (E-42).
+    /// How many segment genes it has is drawn once, so that those of many are not fewer for being illegal more often.
     pub fn founder(skill: SkillId, syllabus: &Syllabus, stream: &mut Stream) -> Child {
+        let segments = stream.within(*FOUNDER_SEGMENTS.start(), *FOUNDER_SEGMENTS.end());
         let mut refused = Vec::new();
         loop {
-            let body = Body::random(skill, stream);
+            let body = Body::random(segments, skill, stream);
             match body.develop() {
                 Ok(phenotype) if phenotype.muscles.is_empty() => {} // it would be scored, and never move
                 Ok(phenotype) => {
@@ -227,4 +229,25 @@ impl Breeding<'_> {
 /// E-41
 fn events(stream: &mut Stream) -> usize {
     1 + poisson(EVENTS_MEAN, stream)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::esp::syllabus::tests::ten_skills;
+    use crate::random::stream;
+
+    /// E-19
+    #[test]
+    fn a_child_that_stays_illegal_keeps_its_first_parents_body() {
+        let syllabus = ten_skills().check().unwrap();
+        let mut draws = stream(1, [0, 0, 0], "breeding test");
+        let parent = Genotype::founder(SkillId(0), &syllabus, &mut draws).genotype;
+        let breeding = Breeding { scope: Scope::Everything, skill: SkillId(0), syllabus: &syllabus };
+        let mutate = |breeding: &Breeding, stream: &mut Stream| breeding.mutate(&parent, stream);
+        let child = breeding.redraw(&mut draws, |_| Err(Illegal::TooManyParts), mutate);
+        assert_eq!(child.refused, vec![Illegal::TooManyParts; 1 + REDRAWS]);
+        assert_eq!(child.genotype.body, parent.body);
+        assert_ne!(child.genotype.brain, parent.brain);
+    }
 }

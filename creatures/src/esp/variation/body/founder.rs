@@ -7,11 +7,12 @@ use crate::esp::body::shape::{CAPSULE_RADIUS, EXTENT, Shape};
 use crate::esp::key::GeneId;
 use crate::esp::syllabus::SkillId;
 use crate::esp::variation::draw::{direction, orientation, pick, uniform};
+use crate::math::{exp, log};
 use crate::random::Stream;
 use std::ops::RangeInclusive;
 
 /// Segment genes of a founder (E-42).
-const FOUNDER_SEGMENTS: RangeInclusive<usize> = 1..=6;
+pub(in crate::esp::variation) const FOUNDER_SEGMENTS: RangeInclusive<usize> = 1..=6;
 /// Strengths that are drawn; what is legal is above 0.
 pub(super) const STRENGTH: RangeInclusive<f64> = 0.01..=1.0;
 /// Muscles that a drawn joint brings, if it moves.
@@ -20,11 +21,11 @@ const DRAWN_MUSCLES: RangeInclusive<usize> = 1..=2;
 const SPARE_EDGES_MAX: usize = 2;
 
 impl Body {
-    /// A graph for a first skill: 1 to 6 segment genes, each but the root hanging from an earlier one, and up to
+    /// A graph of so many segment genes for a first skill, each but the root hanging from an earlier one, and up to
     /// 2 more edges between any two. It is legal as a graph; its body may not be.
-    pub(in crate::esp::variation) fn random(skill: SkillId, stream: &mut Stream) -> Body {
+    pub(in crate::esp::variation) fn random(segments: usize, skill: SkillId, stream: &mut Stream) -> Body {
         let mut body = Body { root: GeneId(0), next_id: 0, segments: Vec::new(), edges: Vec::new() };
-        for _ in 0..stream.within(*FOUNDER_SEGMENTS.start(), *FOUNDER_SEGMENTS.end()) {
+        for _ in 0..segments {
             let from = body.segments_with_room();
             let segment = body.random_segment(stream);
             if !from.is_empty() {
@@ -100,10 +101,15 @@ impl Body {
     }
 }
 
+/// Lengths are uniform by their logarithm: of a body of uniform ones few are light enough (E-17).
 fn random_shape(stream: &mut Stream) -> Shape {
-    match stream.below(3) {
-        0 => Shape::Box([(); 3].map(|()| uniform(EXTENT, stream))),
-        1 => Shape::Sphere(uniform(EXTENT, stream)),
-        _ => Shape::Capsule { radius: uniform(CAPSULE_RADIUS, stream), half_length: uniform(EXTENT, stream) },
+    let kind = stream.below(3);
+    let mut length =
+        |range: RangeInclusive<f64>| exp(uniform(log(*range.start())..=log(*range.end()), stream));
+    match kind {
+        0 => Shape::Box([(); 3].map(|()| length(EXTENT))),
+        1 => Shape::Sphere(length(EXTENT)),
+        _ => Shape::Capsule { radius: length(CAPSULE_RADIUS), half_length: length(EXTENT) },
     }
+    .scaled(1.0) // a rounded end of a range may be out of it
 }

@@ -7,6 +7,7 @@ mod mutation;
 
 pub use mutation::Operator;
 
+pub(super) use founder::FOUNDER_SEGMENTS;
 pub(super) use mating::{Renaming, counterparts};
 
 use crate::esp::body::Body;
@@ -38,3 +39,6 @@ impl Body {
         reached
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -81,6 +81,11 @@ impl Operator {
         (Operator::ChangeReceptor, 1.5),
     ];
 
+    /// The names of all.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        Operator::WEIGHTS.into_iter().map(|(operator, _)| operator.name())
+    }
+
     /// Its name in the lineage.
     pub fn name(self) -> &'static str {
         match self {
