@@ -1,7 +1,7 @@
 //! Conducting one experiment: every run from where it stands to its end. Runs go on side by side, so that
 //! the fleet works on while one of them waits for its last outcome. It decides nothing about evolution.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -68,8 +68,8 @@ pub(super) struct Run {
     opened: Instant,
     /// To be handed out once the run waits for them: an outcome that came before would find nobody.
     evaluations: Vec<Evaluation>,
-    /// All of the generation's, if the experiment is audited: an outcome may be taken back.
-    pub(super) again: BTreeMap<IndividualId, Evaluation>,
+    /// Of this generation.
+    culling: Option<Culling>,
 }
 
 /// What a run that goes on needs beside itself; shared by all of them.
@@ -150,7 +150,12 @@ impl Conductor {
                     };
                     self.report(output.take_conflicts()).await?;
                     let mut complete = self.settle(settled, &mut waiting, &mut unwritten);
-                    for verdict in output.take_quarantined() {
+                    let verdicts = output.take_quarantined();
+                    for verdict in &verdicts {
+                        // Before the outcome that it was found out by: a kill between them must not hide it.
+                        self.driver.shared.lineage.worker_quarantined(verdict.worker.clone()).await?;
+                    }
+                    for verdict in verdicts {
                         // A generation whose last outcome came with the verdict is still open.
                         waiting.extend(complete.drain(..).map(|run| (run.generation.first(), run)));
                         self.write(&mut unwritten).await?;
@@ -210,7 +215,7 @@ impl Conductor {
                 lineage.open_stage(new).await?
             }
         };
-        match lineage.reader().resume_point(stage).await? {
+        match self.resume_point(stage).await? {
             Some(point) => self.resume(number, stage, point).await.map(Some),
             None => {
                 let mut search = self.experiment.start(number);
@@ -260,9 +265,9 @@ impl Conductor {
             inherited: 0,
             opened: Instant::now(),
             evaluations: Vec::new(),
-            again: BTreeMap::new(),
+            culling: point.culling,
         };
-        self.begin(run, individuals, inherited, point.culling).await
+        self.begin(run, individuals, inherited).await
     }
 
     /// Writes the next generation down, with the end of the one before, and hands it out. None if the search
@@ -312,9 +317,9 @@ impl Conductor {
             inherited: 0,
             opened: Instant::now(),
             evaluations: Vec::new(),
-            again: BTreeMap::new(),
+            culling,
         };
-        self.begin(run, individuals, inherited, culling).await.map(Some)
+        self.begin(run, individuals, inherited).await.map(Some)
     }
 
     /// Records what needs no evaluation and makes the others ready to be handed out.
@@ -323,48 +328,31 @@ impl Conductor {
         mut run: Run,
         individuals: Vec<search::Individual>,
         inherited: Vec<Inherited>,
-        culling: Option<Culling>,
     ) -> Result<Run, ConductError> {
         run.inherited = individuals.iter().filter(|individual| individual.inherits.is_some()).count() as u32;
         self.driver.shared.lineage.record(inherited.into_iter().map(take_over).collect()).await?;
         let unsettled = run.generation.unsettled();
         self.progress.settled(individuals.len() - unsettled.len(), 0);
         self.progress.generation(run.number, STAGE, &run.generation);
-        let is_unsettled = unsettled.into_iter().collect::<BTreeSet<_>>();
-        for (index, individual) in individuals.into_iter().enumerate() {
-            let may_be_taken_back = self.experiment.audit > 0.0 && individual.inherits.is_none();
-            if !may_be_taken_back && !is_unsettled.contains(&index) {
-                continue;
-            }
-            let id = run.generation.id(index).expect("it has an id for each individual");
-            let evaluation = self.evaluation(&run, id, index as u32, individual.genotype, culling);
-            if is_unsettled.contains(&index) {
-                run.evaluations.push(evaluation.clone());
-            }
-            if may_be_taken_back {
-                run.again.insert(id, evaluation);
-            }
+        let mut individuals: Vec<_> = individuals.into_iter().map(Some).collect();
+        for index in unsettled {
+            let individual = individuals[index].take().expect("each index is unsettled once");
+            run.evaluations.push(self.evaluation(&run, index, individual.genotype));
         }
         Ok(run)
     }
 
-    fn evaluation(
-        &self,
-        run: &Run,
-        id: IndividualId,
-        index: u32,
-        genotype: Vec<u8>,
-        culling: Option<Culling>,
-    ) -> Evaluation {
+    /// What a run asks of the fleet for one of its individuals.
+    pub(super) fn evaluation(&self, run: &Run, index: usize, genotype: Vec<u8>) -> Evaluation {
         let seed = self.experiment.seed_of(run.number);
-        let place = Place { stage: STAGE, generation: run.generation.number, index };
+        let place = Place { stage: STAGE, generation: run.generation.number, index: index as u32 };
         Evaluation {
-            id: id.0,
+            id: run.generation.id(index).expect("the index is within the generation").0,
             order: (run.number, place.generation, place.index),
             task: self.task.clone(),
             genotype: Bytes::from(genotype),
             seed: evaluation_seed(seed, place),
-            cull: culling.map(|culling| Cull {
+            cull: run.culling.map(|culling| Cull {
                 at: culling.at,
                 cutoff: culling.cutoff,
                 control: self.experiment.culling().is_some_and(|rule| rule.in_control(seed, place)),
