@@ -17,8 +17,13 @@ pub trait Plan: fmt::Debug + Send + Sync {
     /// Individuals a generation.
     fn population(&self) -> u32;
 
-    /// Generations of the stage.
+    /// Generations of the stage; of several, of one that does not say its own.
     fn generations(&self) -> u32;
+
+    /// Individuals of a whole run, all its stages together; none if they are too many to count.
+    fn planned(&self) -> Option<u64> {
+        u64::from(self.population()).checked_mul(u64::from(self.generations()))
+    }
 
     /// The search at its beginning.
     fn start(&self, seed: u64, stage: u32) -> Box<dyn Search>;
@@ -82,7 +87,7 @@ pub static KINDS: [Kind; 7] = [
         name: probe::KIND,
         system: "probe",
         runs: 1,
-        read: |table, _| Ok(Box::new(probe::Settings::read(table)?)),
+        read: |table, task| Ok(Box::new(probe::Settings::read(table, task)?)),
     },
 ];
 

@@ -150,9 +150,9 @@ impl Experiment {
         self.culling.as_ref()
     }
 
-    /// What the system's interim measure is called in an outcome; see [`Culling::cutoff`].
-    pub fn interim_measure(&self) -> &'static str {
-        creatures::system(&self.system).map_or("fitness", |system| system.interim_measure(&self.task))
+    /// What the system's interim measure is called in an outcome of a task; see [`Culling::cutoff`].
+    pub fn interim_measure(&self, task: &Value) -> &'static str {
+        creatures::system(&self.system).map_or("fitness", |system| system.interim_measure(task))
     }
 
     /// The seed of a run, from 1: run i is an experiment of its own with `seed + i − 1`.
@@ -160,7 +160,12 @@ impl Experiment {
         self.seed + u64::from(run.max(1) - 1)
     }
 
-    /// The search of a run, from 1, at its beginning. It is the one stage of the run, stage 0.
+    /// The resolved task: of every stage that has none of its own ([`crate::Stage::task`]).
+    pub fn task(&self) -> &Value {
+        &self.task
+    }
+
+    /// The search of a run, from 1, at its beginning. Its stages count from 0.
     pub fn start(&self, run: u32) -> Box<dyn Search> {
         self.plan.start(self.seed_of(run), 0)
     }
@@ -173,7 +178,7 @@ impl Experiment {
         self.plan.restore(self.seed_of(run), 0, checkpoint)
     }
 
-    /// Generations of a run, when known beforehand.
+    /// Generations of a run's stage, when known beforehand; a stage may say its own.
     pub fn generations(&self) -> Option<u32> {
         Some(self.plan.generations())
     }
@@ -185,8 +190,7 @@ impl Experiment {
 
     /// Individuals in all runs, when known beforehand.
     pub fn planned(&self) -> Option<u64> {
-        let run = u64::from(self.plan.population()).checked_mul(u64::from(self.plan.generations()))?;
-        run.checked_mul(u64::from(self.runs))
+        self.plan.planned()?.checked_mul(u64::from(self.runs))
     }
 }
 
