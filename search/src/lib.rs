@@ -49,19 +49,14 @@ pub trait Search: Send {
     /// them. An individual that the service had to set aside comes as `None` and counts as fitness 0.
     fn tell(&mut self, outcomes: &[Option<Outcome>]) -> Record;
 
-    /// All that the search needs to go on from here: taken after `tell` (or before the first `ask`), given
-    /// back to the registry's `restore`.
+    /// All that the search needs to go on from here: taken after `tell` or `pick` (or before the first `ask`),
+    /// given back to the registry's `restore`.
     fn checkpoint(&self) -> Vec<u8>;
 
     /// What is to be picked from before the search asks for more, at the end of a stage: asked for when
     /// [`Search::ask`] gave nobody. One choice a stage at most.
     fn choice(&self) -> Option<Choice> {
         None // most searches pick nobody
-    }
-
-    /// Why the search gives up, when [`Search::ask`] gave nobody (ESP E-82: `require`).
-    fn failure(&self) -> Option<String> {
-        None // most searches end with whatever they have
     }
 
     /// Goes on with one of the candidates of [`Search::choice`].
@@ -71,6 +66,11 @@ pub trait Search: Send {
     fn pick(&mut self, place: Place) -> Result<(), PickError> {
         let _ = place; // nothing is awaited
         Err(PickError::NotAwaited)
+    }
+
+    /// Why the search cannot go on; it then asks for nothing more (ESP E-82).
+    fn failure(&self) -> Option<String> {
+        None // most searches come to their end
     }
 }
 

@@ -30,6 +30,40 @@ pub fn tournament(fitness: &[f64], size: u32, stream: &mut Stream) -> usize {
         .expect("a tournament has at least one round; settings are checked")
 }
 
+/// The probabilities of linear ranking, worst first: rank r of N, the worst being 0, has
+/// `(2 − s + 2 (s − 1) r / (N − 1)) / N` (ESP E-37). The pressure s is within 1 to 2.
+pub fn linear_ranking(count: usize, pressure: f64) -> Vec<f64> {
+    let steps = count.saturating_sub(1).max(1) as f64;
+    let probability = |rank: usize| {
+        let share = if count == 1 { 0.5 } else { rank as f64 / steps };
+        (2.0 - pressure + 2.0 * (pressure - 1.0) * share) / count as f64
+    };
+    (0..count).map(probability).collect()
+}
+
+/// Probabilities in proportion to fitness; what is below 0 counts as 0, and if nobody has more, all are equal
+/// (ESP E-37).
+pub fn proportionate(fitness: &[f64]) -> Vec<f64> {
+    let largest = fitness.iter().copied().fold(0.0, f64::max);
+    // Scaled by the largest, so that the sum of any finite fitness stays finite.
+    let scaled = |fitness: f64| if largest > 0.0 { fitness.max(0.0) / largest } else { 1.0 };
+    let sum: f64 = fitness.iter().map(|&fitness| scaled(fitness)).sum();
+    fitness.iter().map(|&fitness| scaled(fitness) / sum).collect()
+}
+
+/// An index drawn with the given probabilities, which add up to 1; there is at least one.
+pub fn draw(probabilities: &[f64], stream: &mut Stream) -> usize {
+    let mut left = stream.unit();
+    for (index, probability) in probabilities.iter().enumerate() {
+        left -= probability;
+        if left < 0.0 {
+            return index;
+        }
+    }
+    // Rounding has left a last sliver.
+    probabilities.iter().rposition(|&probability| probability > 0.0).unwrap_or_default()
+}
+
 /// Splits `total` in proportion to finite shares ≥ 0 by the method of the largest remainder; the parts add
 /// up to `total` exactly, ties go to the lower index (G-35). Shares that are all 0 count as equal.
 ///
@@ -85,6 +119,27 @@ mod tests {
         let mut draws = stream(2, [0, 0, 0], "test");
         let zeros = (0..10_000).filter(|_| tournament(&[0.0; 4], 3, &mut draws) == 0).count();
         assert!((5_600..5_960).contains(&zeros), "{zeros}");
+    }
+
+    /// ESP T-12
+    #[test]
+    fn ranks_and_shares_are_drawn_with_the_published_probabilities() {
+        let near = |found: &[f64], expected: &[f64]| {
+            assert_eq!(found.len(), expected.len());
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+        };
+        near(&linear_ranking(5, 1.8), &[0.04, 0.12, 0.20, 0.28, 0.36]);
+        near(&linear_ranking(1, 1.8), &[1.0]);
+        near(&proportionate(&[0.0, 0.1, 0.2, 0.3, 0.4]), &[0.0, 0.1, 0.2, 0.3, 0.4]);
+        near(&proportionate(&[-1.0, 0.0]), &[0.5, 0.5]);
+        near(&proportionate(&[-1.0, 1e308, 1e308]), &[0.0, 0.5, 0.5]);
+        let mut draws = stream(3, [0, 0, 0], "test");
+        let mut drawn = [0.0_f64; 5];
+        for _ in 0..100_000 {
+            drawn[draw(&linear_ranking(5, 1.8), &mut draws)] += 1e-5;
+        }
+        assert!((drawn[0] - 0.04).abs() < 0.003 && (drawn[4] - 0.36).abs() < 0.006, "{drawn:?}");
+        assert!((0..1000).all(|_| draw(&[0.0, 1.0, 0.0], &mut draws) == 1));
     }
 
     #[test]
