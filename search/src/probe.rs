@@ -92,12 +92,7 @@ impl Plan for Settings {
     }
 
     fn generations(&self) -> u32 {
-        self.generations
-    }
-
-    fn planned(&self) -> Option<u64> {
-        let stage = u64::from(self.population).checked_mul(u64::from(self.generations))?;
-        stage.checked_mul(u64::from(self.stages))
+        self.generations.saturating_mul(self.stages)
     }
 
     fn start(&self, seed: u64, stage: u32) -> Box<dyn Search> {
@@ -274,7 +269,7 @@ mod tests {
         let table = json!({ "kind": KIND, "population": 7, "generations": 1, "payload": 16, "stages": 2,
             "growth": 5 });
         let plan = Settings::read(table, &json!({ "work": 2 })).unwrap();
-        assert_eq!(plan.planned(), Some(14));
+        assert_eq!(plan.individuals(), 14);
         let mut search = plan.start(1, 0);
         let first = search.ask();
         assert_eq!(search.stage().task, Some(json!({ "work": 2 })));

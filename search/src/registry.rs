@@ -14,15 +14,15 @@ pub trait Plan: fmt::Debug + Send + Sync {
     /// The `[search]` table with every default filled in.
     fn table(&self) -> Value;
 
-    /// Individuals a generation.
+    /// Individuals a generation; those of the largest stage where stages differ.
     fn population(&self) -> u32;
 
-    /// Generations of the stage; of several, of one that does not say its own.
+    /// Generations of all stages.
     fn generations(&self) -> u32;
 
-    /// Individuals of a whole run, all its stages together; none if they are too many to count.
-    fn planned(&self) -> Option<u64> {
-        u64::from(self.population()).checked_mul(u64::from(self.generations()))
+    /// Individuals of all generations.
+    fn individuals(&self) -> u64 {
+        u64::from(self.population()) * u64::from(self.generations())
     }
 
     /// The search at its beginning.

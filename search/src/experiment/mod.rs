@@ -78,17 +78,26 @@ impl Experiment {
         read::experiments(text, overrides)
     }
 
+    /// Reads an experiment file that must make one experiment.
+    ///
+    /// # Errors
+    /// Every problem found; a matrix is one.
+    pub fn parse_one(text: &str, overrides: &Overrides) -> Result<Experiment, Vec<Problem>> {
+        let mut experiments = Experiment::parse(text, overrides)?;
+        match (experiments.pop(), experiments.is_empty()) {
+            (Some(experiment), true) => Ok(experiment),
+            _ => {
+                Err(vec![Problem::new("matrix", "one experiment is wanted here, and a matrix makes several")])
+            }
+        }
+    }
+
     /// Reads the text that [`Experiment::resolved`] has given.
     ///
     /// # Errors
     /// The first problem; text of an older program may have some.
     pub fn parse_resolved(text: &str) -> Result<Experiment, Problem> {
-        let mut experiments =
-            Experiment::parse(text, &Overrides::default()).map_err(|problems| problems[0].clone())?;
-        match (experiments.pop(), experiments.is_empty()) {
-            (Some(experiment), true) => Ok(experiment),
-            _ => Err(Problem::new("matrix", "a resolved file has no matrix")),
-        }
+        Experiment::parse_one(text, &Overrides::default()).map_err(|problems| problems[0].clone())
     }
 
     /// The names of a file's profiles, for those who check them all.
@@ -178,19 +187,19 @@ impl Experiment {
         self.plan.restore(self.seed_of(run), 0, checkpoint)
     }
 
-    /// Generations of a run's stage, when known beforehand; a stage may say its own.
+    /// Generations of a run, those of all its stages, when known beforehand.
     pub fn generations(&self) -> Option<u32> {
         Some(self.plan.generations())
     }
 
-    /// Individuals of a generation, when known beforehand.
+    /// Individuals of a generation, of the largest stage where they differ, when known beforehand.
     pub fn population(&self) -> Option<u32> {
         Some(self.plan.population())
     }
 
     /// Individuals in all runs, when known beforehand.
     pub fn planned(&self) -> Option<u64> {
-        self.plan.planned()?.checked_mul(u64::from(self.runs))
+        self.plan.individuals().checked_mul(u64::from(self.runs))
     }
 }
 
