@@ -26,8 +26,9 @@ Start here:
 An experiment ID is `last`, a number or a name; the name of a matrix stands for all its cells.
 Exit codes: 0 done, 1 failed, 2 usage or bad input, 3 not found, 4 coordinator unreachable, 5 waiting for a
 pick, 130 interrupted.
-Environment: HATCHERY_COORDINATOR (URL), HATCHERY_DB (file), HATCHERY_LOG (error, warn, info, debug, trace,
-or per module as in `coordinator=debug`), NO_COLOR.";
+Environment: HATCHERY_JOIN (a client's join token), HATCHERY_JOIN_FILE (a file that holds one),
+HATCHERY_COORDINATOR (URL), HATCHERY_DB (file), HATCHERY_LOG (error, warn, info, debug, trace, or per module as
+in `coordinator=debug`), NO_COLOR.";
 
 /// One command.
 #[derive(Debug, Subcommand)]
@@ -78,8 +79,8 @@ pub(crate) enum Command {
     Hash(AskExperiment),
     /// Write a view of the lineage as CSV or NDJSON
     Export(Export),
-    /// Live an individual again from the lineage alone and compare the fitness bits
-    Replay(AskIndividual),
+    /// Live an individual again from the lineage alone and compare the fitness bits; record and draw it
+    Replay(Replay),
     /// Compare the cells of a matrix, or several experiments: means, t-tests, curves, the paper's figures
     Compare(Compare),
     /// Print a completion script for a shell
@@ -94,23 +95,41 @@ pub(crate) enum Command {
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct Dial {
     /// The coordinator [env: HATCHERY_COORDINATOR] [default: http://127.0.0.1:7878]
-    #[arg(long, value_name = "URL")]
+    #[arg(long, value_name = "URL", conflicts_with_all = ["join", "join_file"])]
     pub(crate) coordinator: Option<String>,
+    /// How to join it.
+    #[command(flatten)]
+    pub(crate) join: Join,
+}
+
+/// The join token of a coordinator on a network.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct Join {
+    /// Ask the coordinator of the join token in this file [env: HATCHERY_JOIN_FILE]
+    #[arg(long, value_name = "FILE", conflicts_with = "join")]
+    pub(crate) join_file: Option<PathBuf>,
+    /// Ask the coordinator of this join token [env: HATCHERY_JOIN]; others on this machine see it in the list of
+    /// processes, so rather use the file or the environment
+    #[arg(long, value_name = "TOKEN")]
+    pub(crate) join: Option<String>,
 }
 
 /// Whom to ask: a coordinator, or a lineage file.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct Ask {
     /// Ask this coordinator [env: HATCHERY_COORDINATOR]
-    #[arg(long, value_name = "URL", conflicts_with = "db")]
+    #[arg(long, value_name = "URL", conflicts_with_all = ["db", "join", "join_file"])]
     pub(crate) coordinator: Option<String>,
+    /// How to join one.
+    #[command(flatten)]
+    pub(crate) join: Join,
     /// Read this lineage file [env: HATCHERY_DB] [default: hatchery.db in the current folder]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["join", "join_file"])]
     pub(crate) db: Option<PathBuf>,
 }
 
 const SOURCE_HELP: &str = "\
-Asks a coordinator (--coordinator, HATCHERY_COORDINATOR) or reads a lineage file (--db, HATCHERY_DB, else
+Asks a coordinator (--coordinator, --join-file; HATCHERY_JOIN, HATCHERY_COORDINATOR) or reads a lineage file (--db, HATCHERY_DB, else
 hatchery.db in the current folder), also while a run is writing it.";
 
 /// What changes an experiment file on its way in.
@@ -226,16 +245,44 @@ pub(crate) struct AskExperiment {
     pub(crate) ask: Ask,
 }
 
-/// A question to a coordinator or a file about one individual.
+/// `hatchery replay`.
 #[derive(Debug, Args)]
-#[command(after_help = SOURCE_HELP)]
-pub(crate) struct AskIndividual {
+#[command(after_help = REPLAY_HELP)]
+pub(crate) struct Replay {
     /// Its number
     #[arg(value_name = "INDIVIDUAL")]
     pub(crate) individual: u64,
+    /// Write where everything was at every step, as lines of JSON
+    #[arg(long, value_name = "FILE")]
+    pub(crate) recording: Option<PathBuf>,
+    /// Draw a contact sheet: views down, moments across, and where it went
+    #[arg(long, value_name = "FILE.png", value_parser = png)]
+    pub(crate) picture: Option<PathBuf>,
+    /// Which trial is recorded and drawn, of an evaluation that has several
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) trial: u32,
+    /// Record one step in so many
+    #[arg(long, value_name = "STEPS", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) every: u32,
     /// Whom to ask.
     #[command(flatten)]
     pub(crate) ask: Ask,
+}
+
+const REPLAY_HELP: &str = "\
+Examples:
+  hatchery replay 4711 --picture 4711.png
+  hatchery replay 4711 --recording 4711.jsonl --every 4
+
+docs/recordings.md says what a recording holds and how a notebook reads it. The exit code is 1 if the fitness
+differs in any bit from what the lineage has; what was asked for is written all the same.";
+
+fn png(typed: &str) -> Result<PathBuf, String> {
+    let file = PathBuf::from(typed);
+    match file.extension() {
+        Some(extension) if extension.eq_ignore_ascii_case("png") => Ok(file),
+        _ => Err("pictures are PNG: name the file .png".to_owned()),
+    }
 }
 
 /// An order to a coordinator about an experiment, or about every cell of a matrix.
@@ -427,8 +474,9 @@ Examples:
   hatchery sql \"SELECT generation, best FROM v_generations WHERE run = 1\" --json
 
 The views are the documented interface: v_experiments v_stages v_generations v_individuals v_parents
-v_evaluations v_culls v_best v_ancestors v_species v_workers v_checkpoints v_candidates v_picks. The
-connection can only read; a statement that would write, attach a file or run for ever is refused or stopped.";
+v_evaluations v_culls v_best v_ancestors v_species v_workers v_checkpoints v_candidates v_picks v_audits
+v_events. The connection can only read; a statement that would write, attach a file or run for ever is refused
+or stopped.";
 
 /// `hatchery export`.
 #[derive(Debug, Args)]
@@ -452,7 +500,7 @@ pub(crate) struct Export {
 }
 
 /// The documented views of the lineage.
-const VIEWS: [&str; 14] = [
+const VIEWS: [&str; 16] = [
     "v_experiments",
     "v_stages",
     "v_generations",
@@ -467,6 +515,8 @@ const VIEWS: [&str; 14] = [
     "v_checkpoints",
     "v_candidates",
     "v_picks",
+    "v_audits",
+    "v_events",
 ];
 
 const EXPORT_HELP: &str = "\
@@ -534,6 +584,12 @@ mod tests {
     #[test]
     fn the_arguments_are_well_formed() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn a_picture_is_named_as_what_it_is() {
+        assert_eq!(png("a/b.png"), Ok(PathBuf::from("a/b.png")));
+        assert!(png("a.svg").is_err() && png("png").is_err());
     }
 
     #[test]

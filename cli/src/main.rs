@@ -4,7 +4,8 @@
 //! ```text
 //! arguments  as typed                     connect  a coordinator dialled, or a file served here
 //! command/   one command a file           render/  text, tables, JSON, bars, errors
-//! compare/   the published comparison     crew     the worker processes of `run`
+//! compare/   the published comparison     picture/ a recording as a contact sheet
+//! crew       the worker processes of `run`
 //! exit       failures and exit codes      signals  Ctrl-C, once and twice
 //! ```
 
@@ -14,6 +15,7 @@ mod compare;
 mod connect;
 mod crew;
 mod exit;
+mod picture;
 mod render;
 mod signals;
 

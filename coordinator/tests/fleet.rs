@@ -5,7 +5,7 @@
 use bytes::Bytes;
 use coordinator::fleet::{Evaluation, Fate, Fleet, FleetSettings, Queue, QueueOutput, Settled, TaskText};
 use coordinator::service;
-use creatures::{Outcome, Status as Ending};
+use creatures::{Nobody, Outcome, Status as Ending};
 use proto::v1::coordinator_message::Kind as Told;
 use proto::v1::evaluate_reply::What as Answer;
 use proto::v1::evaluate_request::What as Ask;
@@ -41,6 +41,7 @@ async fn serve(heartbeat_ms: u32, timeout_ms: u32) -> Service {
         version: "1.2.3".to_owned(),
         fingerprint: FINGERPRINT,
         lineage: LINEAGE,
+        quarantined: vec![],
     });
     let listener = TcpListener::bind(SocketAddr::from(([127, 0, 0, 1], 0))).await.unwrap();
     let address = listener.local_addr().unwrap();
@@ -68,6 +69,7 @@ fn hello(name: &str, slots: u32, window: u32) -> v1::Hello {
         window,
         lineage: Bytes::new(),
         holding: vec![],
+        labels: Default::default(),
     }
 }
 
@@ -155,6 +157,8 @@ fn evaluations(ids: std::ops::Range<u64>) -> Vec<Evaluation> {
         genotype: Bytes::from(vec![id as u8; 4]),
         seed: id,
         cull: None,
+        audit: false,
+        attempts_before: 0,
     };
     ids.map(one).collect()
 }
@@ -483,7 +487,7 @@ async fn evaluate_all(mut a: Raw) {
                     let what = if one.genotype.is_empty() {
                         What::Failure(v1::Failure { reason: "too short to live".to_owned(), r#final: true })
                     } else {
-                        let lived = task.evaluate(&one.genotype, one.seed, cull.as_ref(), &mut |_| {});
+                        let lived = task.evaluate(&one.genotype, one.seed, cull.as_ref(), &mut Nobody);
                         What::Outcome(lived.unwrap().into())
                     };
                     a.report(attempt, what).await;
@@ -530,7 +534,7 @@ async fn the_bare_service_answers_each_genotype_by_its_id() {
     assert_eq!(answers.len(), 4);
     let task = creatures::system("probe").unwrap().task(r#"{"work":3}"#).unwrap();
     for genotype in [b"one", b"two"] {
-        let lived = Answer::Outcome(task.evaluate(genotype, 5, None, &mut |_| {}).unwrap().into());
+        let lived = Answer::Outcome(task.evaluate(genotype, 5, None, &mut Nobody).unwrap().into());
         assert!(answers.contains(&(11, lived)));
     }
     assert!(answers.contains(&(12, Answer::Error("set aside: too short to live".to_owned()))));

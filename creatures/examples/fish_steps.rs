@@ -10,7 +10,7 @@ use creatures::fish::samples::{COUNT, STEPS};
 use creatures::fish::skyline::Skyline;
 use creatures::fish::{Body, Command, Encoding, Fish, Genotype, Samples, Still, Swimmer, Turn};
 use creatures::random::stream;
-use creatures::{Status, System};
+use creatures::{Nobody, Status, System};
 use glam::DVec3;
 use std::sync::Arc;
 use std::time::Instant;
@@ -30,7 +30,7 @@ fn main() {
     let samples = Samples::random(0, Encoding::Tied, COUNT, STEPS, &mut stream(1, [0, 0, 0], "samples"));
     let genotype = Genotype::MuscleSamples(samples).encode();
     let drill = cost(|| {
-        let outcome = task.evaluate(&genotype, 0, None, &mut |_| {}).expect("samples are legal");
+        let outcome = task.evaluate(&genotype, 0, None, &mut Nobody).expect("samples are legal");
         assert_eq!(outcome.status, Status::Completed, "a drill is swum to its end");
         outcome.steps
     });

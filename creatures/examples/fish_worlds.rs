@@ -5,9 +5,9 @@
 
 #![allow(clippy::disallowed_types, reason = "an example that measures needs a clock")]
 
-use creatures::System;
 use creatures::fish::Fish;
 use creatures::fish::habits::{Genotype, Habits, Nature, Sex};
+use creatures::{Nobody, System};
 use serde_json::json;
 use std::time::Instant;
 
@@ -30,7 +30,7 @@ fn main() {
         let resolved = Fish.resolve(table).expect("the world is legal");
         let task = Fish.task(&resolved.to_string()).expect("a resolved task is legal");
         let start = Instant::now();
-        let outcome = task.evaluate(&prey, 1, None, &mut |_| {}).expect("the habits are legal");
+        let outcome = task.evaluate(&prey, 1, None, &mut Nobody).expect("the habits are legal");
         let steps = f64::from(outcome.steps) / start.elapsed().as_secs_f64();
         let each = 1e6 / steps / f64::from(fishes);
         println!("{fishes:3} fishes in {tank:?}: {steps:.0} steps/s, {each:.1} us a fish and step");

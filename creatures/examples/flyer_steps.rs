@@ -6,7 +6,7 @@
 
 use creatures::flyer::{Flyer, FlyerTask, Genotype, Settings};
 use creatures::random::stream;
-use creatures::{Outcome, Reason, Status, System, Task};
+use creatures::{Nobody, Outcome, Reason, Status, System, Task};
 use std::time::Instant;
 
 const FOUNDERS: u32 = 300;
@@ -17,7 +17,7 @@ fn founders(seed: u64) -> impl Iterator<Item = Genotype> {
 }
 
 fn live(task: &dyn Task, genotype: &Genotype) -> Outcome {
-    task.evaluate(&genotype.encode(), 0, None, &mut |_| {}).expect("founders are legal")
+    task.evaluate(&genotype.encode(), 0, None, &mut Nobody).expect("founders are legal")
 }
 
 /// Microseconds a step of the least disturbed of some evaluations, whole: from bytes to outcome.

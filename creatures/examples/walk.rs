@@ -4,9 +4,9 @@
 
 #![allow(clippy::disallowed_types, reason = "an example may look at the clock; the library may not")]
 
-use creatures::Task;
 use creatures::random::stream;
 use creatures::walker::{BodyKind, Genotype, WalkerTask, grn, neat};
+use creatures::{Nobody, Task};
 use std::time::Instant;
 
 fn main() {
@@ -23,7 +23,7 @@ fn main() {
             let start = Instant::now();
             let outcomes: Vec<_> = genotypes
                 .iter()
-                .map(|genotype| task.evaluate(genotype, 0, None, &mut |_| {}).expect("a legal genotype"))
+                .map(|genotype| task.evaluate(genotype, 0, None, &mut Nobody).expect("a legal genotype"))
                 .collect();
             let ms = start.elapsed().as_secs_f64() * 1e3 / f64::from(count);
             let mean = outcomes.iter().map(|outcome| outcome.fitness).sum::<f64>() / f64::from(count);

@@ -8,18 +8,21 @@ pub mod esp;
 pub mod fish;
 pub mod flyer;
 pub mod math;
+pub mod observer;
 pub mod outcome;
 pub mod physics;
 pub mod probe;
 pub mod random;
+pub mod record;
 pub mod walker;
 
 pub use encoding::DecodeError;
+pub use observer::{Nobody, Observer};
 pub use outcome::{Cull, Interim, Outcome, Reason, Status, Verdict};
 
 /// Every published system, by name.
-pub fn systems() -> [&'static dyn System; 4] {
-    [&probe::Probe, &walker::Walker, &flyer::Flyer, &fish::Fish]
+pub fn systems() -> [&'static dyn System; 5] {
+    [&probe::Probe, &walker::Walker, &flyer::Flyer, &fish::Fish, &esp::Esp]
 }
 
 /// The system of a name.
@@ -69,8 +72,8 @@ pub trait Task: Send + Sync {
 
     /// Lives one genotype: a pure function of its arguments, the same bits on every machine.
     ///
-    /// With `cull`, `on_interim` is called once with the interim report, and a creature below the cutoff
-    /// stops there, unless it is of the control sample.
+    /// With `cull`, the observer hears the interim report once, and a creature below the cutoff stops there,
+    /// unless it is of the control sample. Whatever the observer does, the outcome is the same.
     ///
     /// # Errors
     /// Only for bytes that are no legal genotype; whatever befalls the creature is an outcome.
@@ -79,7 +82,7 @@ pub trait Task: Send + Sync {
         genotype: &[u8],
         seed: u64,
         cull: Option<&Cull>,
-        on_interim: &mut dyn FnMut(Interim),
+        observer: &mut dyn Observer,
     ) -> Result<Outcome, DecodeError>;
 }
 
@@ -132,7 +135,7 @@ pub fn fingerprint() -> [u8; 32] {
         for proof in system.proofs() {
             let task = system.task(&proof.task).expect("a proof's task is legal; a test says so");
             let outcome = task
-                .evaluate(&proof.genotype, proof.seed, None, &mut |_| {})
+                .evaluate(&proof.genotype, proof.seed, None, &mut Nobody)
                 .expect("a proof's genotype is legal; a test says so");
             hasher.update(&outcome.digest());
         }

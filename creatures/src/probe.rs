@@ -3,7 +3,8 @@
 //! touches no physics.
 
 use crate::{
-    Cull, DecodeError, Interim, Outcome, Proof, SpecError, Status, System, Task, Verdict, encoding, read_spec,
+    Cull, DecodeError, Interim, Observer, Outcome, Proof, SpecError, Status, System, Task, Verdict, encoding,
+    read_spec,
 };
 use serde::{Deserialize, Serialize};
 
@@ -56,7 +57,7 @@ impl Task for ProbeTask {
         genotype: &[u8],
         seed: u64,
         cull: Option<&Cull>,
-        on_interim: &mut dyn FnMut(Interim),
+        observer: &mut dyn Observer,
     ) -> Result<Outcome, DecodeError> {
         self.check(genotype)?;
         let mut hasher = blake3::Hasher::new();
@@ -77,7 +78,7 @@ impl Task for ProbeTask {
             if let Some(cull) = cull.filter(|_| Some(step) == interim_step) {
                 let interim = Interim { step, measure: fitness };
                 outcome.interim = Some(interim);
-                on_interim(interim);
+                observer.interim(interim);
                 if cull.verdict(interim.measure) == Verdict::Cull {
                     return Ok(Outcome { status: Status::Culled, fitness: 0.0, steps: step, ..outcome });
                 }
@@ -92,17 +93,18 @@ impl Task for ProbeTask {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Nobody;
 
     #[test]
     fn a_probe_is_culled_below_its_cutoff_and_spared_in_the_control_sample() {
         let task = ProbeTask { work: 100 };
-        let free = task.evaluate(b"x", 1, None, &mut |_| {}).unwrap();
+        let free = task.evaluate(b"x", 1, None, &mut Nobody).unwrap();
         let cull = Cull { at: 0.25, cutoff: Some(1.0), control: false };
         let mut seen = None;
         let culled = task.evaluate(b"x", 1, Some(&cull), &mut |interim| seen = Some(interim)).unwrap();
         assert_eq!((culled.status, culled.steps, culled.fitness), (Status::Culled, 25, 0.0));
         assert_eq!(seen, Some(Interim { step: 25, measure: free.fitness }));
-        let spared = task.evaluate(b"x", 1, Some(&Cull { control: true, ..cull }), &mut |_| {}).unwrap();
+        let spared = task.evaluate(b"x", 1, Some(&Cull { control: true, ..cull }), &mut Nobody).unwrap();
         assert_eq!((spared.status, spared.fitness), (Status::Completed, free.fitness));
     }
 }

@@ -40,7 +40,7 @@ fn live(experiment: &Experiment, run: u32) {
             .iter()
             .map(|one| {
                 Some(
-                    task.evaluate(&one.genotype, 0, None, &mut |_| {})
+                    task.evaluate(&one.genotype, 0, None, &mut creatures::Nobody)
                         .expect("searches ask for legal genotypes"),
                 )
             })

@@ -1,7 +1,7 @@
 //! An experiment evaluated in this process, one individual after the other: no fleet, no database, no stream.
 //! What it gives is what every distributed run must give.
 
-use creatures::{Cull, Outcome, Status};
+use creatures::{Cull, Nobody, Outcome, Status};
 use search::hash::{HashRow, LineageHasher};
 use search::{Experiment, Individual, Overrides, PickedBy, Place};
 
@@ -55,6 +55,15 @@ pub fn lineage_of_picks(text: &str, ranks: &[usize]) -> String {
                 Event::Picked { stage, place } => hasher.pick(run, stage, place),
             }
         }
+    }
+    hasher.finish().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The lineage hash of individuals in order of run and place, among whom nobody was picked, in hexadecimal.
+pub fn hash_of<'a>(history: impl IntoIterator<Item = &'a Lived>) -> String {
+    let mut hasher = LineageHasher::new();
+    for lived in history {
+        hash(&mut hasher, lived);
     }
     hasher.finish().iter().map(|byte| format!("{byte:02x}")).collect()
 }
@@ -119,7 +128,7 @@ fn run_alone(experiment: &Experiment, run: u32, ranks: &[usize]) -> Vec<Event> {
                 Some(from) if from.generation == generation => outcomes[from.index as usize].clone(),
                 Some(from) => previous[from.index as usize].clone(),
                 None => {
-                    let outcome = task.evaluate(&individual.genotype, seed, cull.as_ref(), &mut |_| {});
+                    let outcome = task.evaluate(&individual.genotype, seed, cull.as_ref(), &mut Nobody);
                     Some(outcome.expect("a search makes legal genotypes"))
                 }
             };

@@ -112,6 +112,38 @@ fn a_replay_gives_the_recorded_fitness_bit_for_bit() {
 }
 
 #[test]
+fn a_replay_records_and_draws_what_it_lived() {
+    let (folder, best) = (finished(), best());
+    let files = ["--recording", "best.jsonl", "--picture", "best.png"];
+    let said = json(folder, &[&["replay", &best][..], &files].concat());
+    assert_eq!((&said["equal"], &said["recording"]), (&true.into(), &"best.jsonl".into()));
+    let text = std::fs::read_to_string(folder.join("best.jsonl")).expect("a recording");
+    let lines: Vec<serde_json::Value> =
+        text.lines().map(|line| serde_json::from_str(line).expect("a JSON object a line")).collect();
+    let (header, frames) = lines.split_first().expect("a header");
+    assert_eq!(header["individual"].to_string(), best);
+    assert_eq!(header["frames"], frames.len());
+    assert_eq!(frames.len() as u64, 1 + said["replayed"]["steps"].as_u64().expect("steps"));
+    assert!(std::fs::read(folder.join("best.png")).expect("a picture").starts_with(b"\x89PNG"));
+
+    succeed(folder, &["replay", &best, "--recording", "tenth.jsonl", "--every", "10"]);
+    let tenth = std::fs::read_to_string(folder.join("tenth.jsonl")).expect("a recording");
+    assert_eq!(tenth.lines().nth(2), text.lines().nth(11), "the tenth step follows the start");
+}
+
+#[test]
+fn what_cannot_be_recorded_or_drawn_is_said() {
+    let (folder, best) = (finished(), best());
+    let said = refused(folder, &["replay", &best, "--picture", "b.png", "--trial", "2"], 3);
+    assert!(said.contains("no trial 2, only 1"), "{said}");
+    assert!(!folder.join("b.png").exists());
+    refused(folder, &["replay", &best, "--picture", "b.svg"], 2);
+    refused(folder, &["replay", &best, "--trial", "0"], 2);
+    let said = refused(folder, &["replay", &best, "--recording", "nowhere/b.jsonl"], 1);
+    assert!(said.contains("nowhere/b.jsonl"), "{said}");
+}
+
+#[test]
 fn an_export_has_a_header_and_a_row_each_in_both_formats() {
     let csv = succeed(finished(), &["export", "v_individuals", "--format", "csv"]);
     let mut lines = csv.lines();

@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 
+use creatures::Nobody;
 use creatures::random::stream;
 use hatchery_tests::Hatchery;
 use hatchery_tests::samples::{culled, probe, walkers};
@@ -86,7 +87,7 @@ fn a_bare_evaluation_gives_the_outcome_of_the_library_bit_for_bit() {
     assert_eq!(replies.len(), genotypes.len());
     for (id, genotype) in (0..).zip(&genotypes) {
         let Some(Reply::Outcome(outcome)) = &replies[&id] else { panic!("{id}: {:?}", replies[&id]) };
-        let expected = task.evaluate(genotype, id + 100, None, &mut |_| {}).expect("legal");
+        let expected = task.evaluate(genotype, id + 100, None, &mut Nobody).expect("legal");
         let outcome = creatures::Outcome::try_from(outcome.clone()).expect("a legal outcome");
         assert_eq!(outcome.digest(), expected.digest(), "{id}");
     }

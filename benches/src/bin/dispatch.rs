@@ -2,11 +2,13 @@
 //! the last committed row, with a real coordinator and real workers. Efficiency is the time that the same
 //! evaluations take on bare threads over the time that they take so. Its peers, a Python process pool and Ray,
 //! are in `benches/peers/`; they store nothing.
+//!
+//! `dispatch [MS]…` measures evaluations of so many milliseconds alone.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
-use creatures::{System, Task, probe};
+use creatures::{Nobody, System, Task, probe};
 use hatchery_benches::processes::processor_seconds;
 use hatchery_benches::report::Report;
 use hatchery_tests::Hatchery;
@@ -58,11 +60,17 @@ fn main() {
             ]);
             rate
         };
-    measure(0.0, 2, 20_000, 10, None);
-    measure(1.0, 2, 1000, 4, None);
-    measure(10.0, 2, 200, 4, None);
-    let alone = measure(5.0, 1, 200, 4, None);
-    measure(5.0, 2, 200, 4, Some(alone));
+    let named: Vec<f64> = std::env::args().skip(1).map(|ms| ms.parse().expect("milliseconds")).collect();
+    let is_wanted = |work_ms| named.is_empty() || named.contains(&work_ms);
+    for (work_ms, population, generations) in [(0.0, 20_000, 10), (1.0, 1000, 4), (10.0, 200, 4)] {
+        if is_wanted(work_ms) {
+            measure(work_ms, 2, population, generations, None);
+        }
+    }
+    if is_wanted(5.0) {
+        let alone = measure(5.0, 1, 200, 4, None);
+        measure(5.0, 2, 200, 4, Some(alone));
+    }
 }
 
 /// What one run took, seconds.
@@ -106,7 +114,7 @@ fn bare_threads(work: u32, threads: usize, count: u32) -> f64 {
         for _ in 0..threads {
             scope.spawn(|| {
                 while next.fetch_add(1, Ordering::Relaxed) < count {
-                    task.evaluate(&[0; PAYLOAD_BYTES as usize], 1, None, &mut |_| {}).expect(ANY_BYTES);
+                    task.evaluate(&[0; PAYLOAD_BYTES as usize], 1, None, &mut Nobody).expect(ANY_BYTES);
                 }
             });
         }
@@ -123,7 +131,7 @@ fn seconds_of_work(work: u32) -> f64 {
     let task = probe_task(work);
     let once = || {
         let start = Instant::now();
-        task.evaluate(&[0; PAYLOAD_BYTES as usize], 1, None, &mut |_| {}).expect(ANY_BYTES);
+        task.evaluate(&[0; PAYLOAD_BYTES as usize], 1, None, &mut Nobody).expect(ANY_BYTES);
         start.elapsed().as_secs_f64()
     };
     (0..9).map(|_| once()).fold(f64::INFINITY, f64::min)

@@ -61,8 +61,12 @@ fn alone(lived: &[Lived], spec: &str, threads: usize) -> f64 {
                 let system = creatures::system("walker").expect("registered");
                 let task = system.task(spec).expect("a parsed experiment has a legal task");
                 while let Some(one) = lived.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let outcome =
-                        task.evaluate(&one.individual.genotype, one.seed, one.cull.as_ref(), &mut |_| {});
+                    let outcome = task.evaluate(
+                        &one.individual.genotype,
+                        one.seed,
+                        one.cull.as_ref(),
+                        &mut creatures::Nobody,
+                    );
                     let outcome = outcome.expect("a search makes legal genotypes");
                     assert_eq!(outcome.digest(), one.outcome.digest(), "the same bits every time");
                 }

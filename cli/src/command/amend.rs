@@ -11,7 +11,7 @@ use crate::render::{Output, json};
 
 pub(super) async fn amend(arguments: Amend, output: Output) -> Result<(), Failure> {
     let text = read_experiment(&arguments.file)?;
-    let connection = Connection::open(&Source::of(&arguments.ask)).await?;
+    let connection = Connection::open(&Source::of(&arguments.ask)?).await?;
     let (profile, set) = (arguments.overrides.profile.unwrap_or_default(), arguments.overrides.set);
     let file = Some(SubmitRequest { text: text.clone(), profile, set, ..Default::default() });
     let request = within(PROMPT, AmendRequest { experiment: arguments.experiment, file });

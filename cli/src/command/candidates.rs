@@ -10,7 +10,7 @@ use crate::render::table::{Column, table};
 use crate::render::{Output, json, number};
 
 pub(super) async fn candidates(arguments: Candidates, output: Output) -> Result<(), Failure> {
-    let connection = Connection::open(&Source::of(&arguments.ask)).await?;
+    let connection = Connection::open(&Source::of(&arguments.ask)?).await?;
     let named = arguments.stage.is_some();
     let (experiment, stage) = (arguments.experiment, arguments.stage.unwrap_or_default());
     let request = within(PROMPT, CandidatesRequest { experiment, stage });

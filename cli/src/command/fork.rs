@@ -14,7 +14,7 @@ pub(super) async fn fork(arguments: Fork, output: Output) -> Result<(), Failure>
     if text.is_none() && (overrides.profile.is_some() || !overrides.set.is_empty()) {
         return Err(Failure::Usage("--profile and --set change a FILE, and none is named".to_owned()));
     }
-    let connection = Connection::open(&Source::of(&ask)).await?;
+    let connection = Connection::open(&Source::of(&ask)?).await?;
     let (profile, set) = (overrides.profile.unwrap_or_default(), overrides.set);
     let file = text.clone().map(|text| SubmitRequest { text, profile, set, ..Default::default() });
     let request = within(PROMPT, ForkRequest { experiment, after: after.clone(), file });

@@ -8,7 +8,7 @@ use crate::exit::Failure;
 use crate::render::{Output, json};
 
 pub(super) async fn pick(arguments: Pick, output: Output) -> Result<(), Failure> {
-    let source = Source::of(&arguments.ask);
+    let source = Source::of(&arguments.ask)?;
     let connection = Connection::open(&source).await?;
     let Pick { experiment, individual, note, .. } = arguments;
     let request = within(PROMPT, PickRequest { experiment, individual, note });

@@ -1,25 +1,35 @@
 //! `hatchery replay`: lives an individual again on this machine, from the lineage alone, and compares every
-//! bit of its fitness with what was recorded. It writes nothing.
+//! bit of its fitness with what was recorded. It writes a recording and a picture if asked to, and nothing into
+//! the lineage.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::Path;
 
 use anyhow::{Context, anyhow};
-use creatures::{Cull, Outcome, Status};
-use proto::v1::IndividualReply;
+use creatures::record::{Keeper, Recording, Subject};
+use creatures::{Cull, Nobody, Observer, Outcome, Status, System};
+use proto::v1::{Genotype, IndividualReply};
 use serde_json::json;
 
 use super::show::fetch;
-use crate::arguments::AskIndividual;
+use crate::arguments::Replay;
 use crate::connect::{Connection, Source};
 use crate::exit::Failure;
+use crate::picture;
 use crate::render::{Output, number};
 
-pub(super) async fn replay(arguments: AskIndividual, output: Output) -> Result<(), Failure> {
-    let connection = Connection::open(&Source::of(&arguments.ask)).await?;
+pub(super) async fn replay(arguments: Replay, output: Output) -> Result<(), Failure> {
+    let connection = Connection::open(&Source::of(&arguments.ask)?).await?;
     let recorded = fetch(&connection, arguments.individual).await?;
     let id = recorded.id;
-    let (recorded, lived) =
-        tokio::task::spawn_blocking(move || live(&recorded).map(|lived| (recorded, lived)))
-            .await
-            .map_err(|error| anyhow!("individual {id} ends the evaluation that lives it: {error}"))??;
+    let written = [("recording", arguments.recording.clone()), ("picture", arguments.picture.clone())];
+    let (recorded, lived) = tokio::task::spawn_blocking(move || {
+        let lived = watch(&recorded, &arguments)?;
+        Ok::<_, Failure>((recorded, lived))
+    })
+    .await
+    .map_err(|error| anyhow!("individual {id} ends the evaluation that lives it: {error}"))??;
     let differences = differences(&recorded, &lived);
     if output.json {
         output.document(&json!({
@@ -30,6 +40,7 @@ pub(super) async fn replay(arguments: AskIndividual, output: Output) -> Result<(
             "replayed": { "status": word(lived.status), "fitness": lived.fitness,
                 "fitness_bits": number::bits(lived.fitness), "steps": lived.steps },
             "differences": differences,
+            "recording": written[0].1, "picture": written[1].1,
         }))?;
     } else if differences.is_empty() {
         output.line(format!(
@@ -41,6 +52,11 @@ pub(super) async fn replay(arguments: AskIndividual, output: Output) -> Result<(
             number::count(lived.steps.into())
         ))?;
     }
+    if !output.json {
+        for (what, file) in written.iter().filter_map(|(what, file)| Some((what, file.as_ref()?))) {
+            output.line(format!("{what} {}", file.display()))?;
+        }
+    }
     if differences.is_empty() {
         Ok(())
     } else {
@@ -48,8 +64,73 @@ pub(super) async fn replay(arguments: AskIndividual, output: Output) -> Result<(
     }
 }
 
+/// Lives it again, and writes what is asked for of what was seen.
+fn watch(recorded: &IndividualReply, arguments: &Replay) -> Result<Outcome, Failure> {
+    if arguments.recording.is_none() && arguments.picture.is_none() {
+        return live(recorded, &mut Nobody);
+    }
+    let mut keeper = Keeper::new(arguments.trial - 1, arguments.every);
+    let outcome = live(recorded, &mut keeper)?;
+    let (id, trials) = (recorded.id, keeper.trials());
+    let recording = keeper.recording().ok_or_else(|| match trials {
+        0 => Failure::Failed(anyhow!("individual {id} has no body: there is nothing to record")),
+        _ => Failure::NotFound(format!("individual {id} has no trial {}, only {trials}", arguments.trial)),
+    })?;
+    let subject = subject(recorded, arguments.trial)?;
+    if let Some(file) = &arguments.recording {
+        write(&recording, &subject, file).with_context(|| file.display().to_string())?;
+    }
+    if let Some(file) = &arguments.picture {
+        let [title, subtitle] = captions(recorded, &subject, trials, &outcome, &recording);
+        picture::draw(&recording, &title, &subtitle, file)?;
+    }
+    Ok(outcome)
+}
+
+fn subject(recorded: &IndividualReply, trial: u32) -> Result<Subject, Failure> {
+    let system = system(recorded)?;
+    Ok(Subject {
+        system: system.name().to_owned(),
+        version: system.version(),
+        individual: recorded.id,
+        task: serde_json::from_str(&recorded.task)
+            .with_context(|| format!("the task of individual {}", recorded.id))?,
+        seed: recorded.seed,
+        trial,
+    })
+}
+
+fn write(recording: &Recording, subject: &Subject, file: &Path) -> std::io::Result<()> {
+    let mut out = BufWriter::new(File::create(file)?);
+    for line in recording.lines(subject) {
+        writeln!(out, "{line}")?;
+    }
+    out.into_inner().map_err(|error| error.into_error())?.sync_all()
+}
+
+/// What a picture is headed with.
+fn captions(
+    recorded: &IndividualReply,
+    subject: &Subject,
+    trials: u32,
+    outcome: &Outcome,
+    recording: &Recording,
+) -> [String; 2] {
+    let title = format!(
+        "{} {} of {}, run {}, generation {}",
+        subject.system, recorded.id, recorded.experiment_name, recorded.run, recorded.generation
+    );
+    let mut parts = vec![word(outcome.status), format!("fitness {}", number::figure(outcome.fitness))];
+    if trials > 1 {
+        parts.push(format!("trial {} of {trials}", subject.trial));
+    }
+    let end = recording.shots.last().map_or(0.0, |shot| shot.time);
+    parts.push(format!("{end:.2} {}", recording.scene.time_unit).trim_end().to_owned());
+    [title, parts.join(", ")]
+}
+
 /// Evaluates the recorded genotype under the recorded task, seed and culling rule.
-fn live(recorded: &IndividualReply) -> Result<Outcome, Failure> {
+fn live(recorded: &IndividualReply, observer: &mut dyn Observer) -> Result<Outcome, Failure> {
     let id = recorded.id;
     match recorded.status.as_str() {
         "pending" => {
@@ -64,10 +145,8 @@ fn live(recorded: &IndividualReply) -> Result<Outcome, Failure> {
         }
         _ => {}
     }
-    let genotype =
-        recorded.genotype.as_ref().ok_or_else(|| anyhow!("individual {id} comes without a genotype"))?;
-    let system = creatures::system(&genotype.system)
-        .ok_or_else(|| anyhow!("this release does not know the system `{}`", genotype.system))?;
+    let genotype = genotype(recorded)?;
+    let system = system(recorded)?;
     if genotype.version != system.version() {
         // Outcomes of different versions are never compared (walker X-21).
         return Err(anyhow!(
@@ -82,9 +161,19 @@ fn live(recorded: &IndividualReply) -> Result<Outcome, Failure> {
     let cull =
         recorded.cull.as_ref().map(|cull| Cull { at: cull.at, cutoff: cull.cutoff, control: cull.control });
     let outcome = task
-        .evaluate(&genotype.payload, recorded.seed, cull.as_ref(), &mut |_| {})
+        .evaluate(&genotype.payload, recorded.seed, cull.as_ref(), observer)
         .with_context(|| format!("the genotype of individual {id}"))?;
     Ok(outcome)
+}
+
+fn genotype(recorded: &IndividualReply) -> Result<&Genotype, Failure> {
+    let genotype = recorded.genotype.as_ref();
+    Ok(genotype.ok_or_else(|| anyhow!("individual {} comes without a genotype", recorded.id))?)
+}
+
+fn system(recorded: &IndividualReply) -> Result<&'static dyn System, Failure> {
+    let name = &genotype(recorded)?.system;
+    Ok(creatures::system(name).ok_or_else(|| anyhow!("this release does not know the system `{name}`"))?)
 }
 
 /// What came out differently, with both values; floats by their bits.
@@ -119,7 +208,6 @@ fn word(status: Status) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proto::v1::Genotype;
 
     /// A probe as a coordinator would record it.
     fn recorded() -> IndividualReply {
@@ -131,7 +219,7 @@ mod tests {
             seed: 5,
             ..Default::default()
         };
-        let lived = live(&recorded).unwrap();
+        let lived = live(&recorded, &mut Nobody).unwrap();
         recorded.fitness = Some(lived.fitness);
         recorded.steps = lived.steps.into();
         recorded
@@ -140,7 +228,7 @@ mod tests {
     #[test]
     fn an_individual_lives_again_to_the_same_bits() {
         let recorded = recorded();
-        assert_eq!(differences(&recorded, &live(&recorded).unwrap()), [""; 0]);
+        assert_eq!(differences(&recorded, &live(&recorded, &mut Nobody).unwrap()), [""; 0]);
     }
 
     #[test]
@@ -149,7 +237,7 @@ mod tests {
         let truth = recorded.fitness.unwrap();
         let off = f64::from_bits(truth.to_bits() ^ 1);
         recorded.fitness = Some(off);
-        let differences = differences(&recorded, &live(&recorded).unwrap());
+        let differences = differences(&recorded, &live(&recorded, &mut Nobody).unwrap());
         assert_eq!(differences.len(), 1);
         assert!(differences[0].contains(&number::bits(truth)) && differences[0].contains(&number::bits(off)));
     }
@@ -157,11 +245,12 @@ mod tests {
     #[test]
     fn what_has_no_outcome_or_is_of_another_version_is_not_compared() {
         for (status, word) in [("pending", "no outcome yet"), ("failed", "set aside")] {
-            let failure = live(&IndividualReply { status: status.into(), ..recorded() }).unwrap_err();
+            let failure =
+                live(&IndividualReply { status: status.into(), ..recorded() }, &mut Nobody).unwrap_err();
             assert!(failure.to_string().contains(word), "{failure}");
         }
         let mut old = recorded();
         old.genotype.as_mut().unwrap().version = 0;
-        assert!(live(&old).unwrap_err().to_string().contains("version 0 of probe"));
+        assert!(live(&old, &mut Nobody).unwrap_err().to_string().contains("version 0 of probe"));
     }
 }

@@ -3,14 +3,13 @@
 //! given and averages nothing.
 
 use std::path::{Path, PathBuf};
-use std::sync::Once;
 
 use anyhow::{Context, anyhow};
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use plotters::style::{FontStyle, register_font};
 
 use super::curves::{Curve, Point};
+use crate::render::letters;
 
 const PANEL_WIDTH: u32 = 480;
 const PANEL_HEIGHT: u32 = 320;
@@ -38,7 +37,7 @@ const LINES: [Line; 3] =
 pub(crate) fn draw(curves: &[Curve], folder: &Path) -> anyhow::Result<[PathBuf; 2]> {
     let grid = Grid::of(curves)?;
     std::fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
-    register_fonts();
+    letters::register();
     let (png, svg) = (folder.join("curves.png"), folder.join("curves.svg"));
     let size = grid.size();
     let drawn = grid.draw(BitMapBackend::new(&png, size).into_drawing_area());
@@ -46,15 +45,6 @@ pub(crate) fn draw(curves: &[Curve], folder: &Path) -> anyhow::Result<[PathBuf; 
     let drawn = grid.draw(SVGBackend::new(&svg, size).into_drawing_area());
     drawn.with_context(|| format!("{}", svg.display()))?;
     Ok([png, svg])
-}
-
-/// Letters for the bitmap; an SVG names the family and leaves the letters to who shows it.
-fn register_fonts() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| {
-        let registered = register_font("sans-serif", FontStyle::Normal, ttf_noto_sans::REGULAR);
-        assert!(registered.is_ok(), "the font that ships with the build is a font");
-    });
 }
 
 /// Panels in rows of one body and columns of one method. A cell that has several curves has them in the
@@ -194,7 +184,7 @@ mod tests {
 
     #[test]
     fn letters_leave_ink_in_the_bitmap() {
-        register_fonts();
+        letters::register();
         let ink = |caption: &str| {
             let mut pixels = vec![255u8; (PANEL_WIDTH * PANEL_HEIGHT * 3) as usize];
             let area =

@@ -2,6 +2,7 @@
 
 pub(crate) mod failure;
 pub(crate) mod json;
+pub(crate) mod letters;
 pub(crate) mod number;
 pub(crate) mod progress;
 pub(crate) mod table;

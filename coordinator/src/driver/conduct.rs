@@ -11,6 +11,7 @@ use search::{Experiment, Place};
 use serde_json::json;
 use tokio::sync::{OwnedMutexGuard, mpsc, watch};
 use tokio::task::JoinSet;
+use tracing::Instrument as _;
 
 use super::Driver;
 use super::generation::Inherited;
@@ -186,7 +187,13 @@ impl Conductor {
                         return Ok(End::Stopped);
                     };
                     self.report(output.take_conflicts()).await?;
-                    let complete = self.settle(settled, &mut runs.waiting, &mut unwritten);
+                    let mut complete = self.settle(settled, &mut runs.waiting, &mut unwritten);
+                    for verdict in output.take_quarantined() {
+                        // A generation whose last outcome came with the verdict is still open.
+                        runs.waiting.extend(complete.drain(..).map(|run| (run.generation.first(), run)));
+                        self.write(&mut unwritten).await?;
+                        complete = self.redo(&verdict.worker, &mut runs.waiting).await?;
+                    }
                     if !complete.is_empty() || unwritten.evaluated.len() >= WRITE_AT {
                         self.write(&mut unwritten).await?;
                     }
@@ -206,7 +213,8 @@ impl Conductor {
     async fn place(self: Arc<Self>, step: Step, runs: &mut Runs) {
         match step {
             Step::Goes(run) if run.generation.complete() => {
-                runs.turning.spawn(async move { self.turn(*run).await });
+                let span = tracing::debug_span!("turn", run = run.number, generation = run.generation.number);
+                runs.turning.spawn(async move { self.turn(*run).await }.instrument(span));
             }
             Step::Goes(mut run) => {
                 let evaluations = std::mem::take(&mut run.evaluations);
@@ -276,6 +284,7 @@ impl Conductor {
                 individual: id,
                 ending: Ending::Settled(one.result),
                 ruling: one.ruling,
+                audit: one.audit,
                 attempts: one.attempts,
             });
             self.progress.settled(heirs.len(), 1);
@@ -298,6 +307,7 @@ impl Conductor {
     }
 
     /// Commits what was settled.
+    #[tracing::instrument(level = "debug", skip_all, fields(outcomes = unwritten.evaluated.len()))]
     async fn write(&self, unwritten: &mut Unwritten) -> Result<(), ConductError> {
         self.driver.shared.lineage.record(std::mem::take(&mut unwritten.evaluated)).await?;
         Ok(())
@@ -342,6 +352,7 @@ pub(super) fn take_over(inherited: Inherited) -> Evaluated {
         individual: inherited.heir,
         ending: Ending::Inherits(inherited.from),
         ruling: None,
+        audit: None,
         attempts: Vec::new(),
     }
 }

@@ -8,6 +8,7 @@ mod fork;
 mod generation;
 mod pick;
 mod progress;
+mod redo;
 mod restore;
 mod run;
 mod submit;
@@ -23,6 +24,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use tokio::sync::{broadcast, mpsc, watch};
 use tokio::task::JoinHandle;
+use tracing::Instrument as _;
 
 use crate::fleet::{Fleet, QueueControl};
 use crate::lineage::{ExperimentId, Health, Lineage, ReadError, State, StoredExperiment, WriteError};
@@ -74,6 +76,7 @@ struct Shared {
 
 /// An experiment that is being conducted.
 struct Active {
+    name: String,
     control: QueueControl,
     progress: Arc<Progress>,
     picks: mpsc::UnboundedSender<conduct::Pick>,
@@ -120,6 +123,12 @@ impl Driver {
     /// The progress of an experiment that is being conducted; none for one at rest.
     pub fn progress(&self, id: ExperimentId) -> Option<Arc<Progress>> {
         self.active().get(&id).map(|active| active.progress.clone())
+    }
+
+    /// The experiments that are being conducted, by number, with their names.
+    pub(crate) fn conducted(&self) -> Vec<(ExperimentId, String, Arc<Progress>)> {
+        let active = self.active();
+        active.iter().map(|(&id, one)| (id, one.name.clone(), one.progress.clone())).collect()
     }
 
     /// Hands out nothing more of an experiment; what runs is finished and recorded.
@@ -187,10 +196,7 @@ impl Driver {
         if let Health::Stuck { reason } = &*self.shared.lineage.health().borrow() {
             return format!("the lineage cannot be written: {reason}");
         }
-        if self.shared.fleet.summary().borrow().slots == 0 {
-            return "no worker is attached: start one with `hatchery-worker --coordinator URL`".to_owned();
-        }
-        String::new()
+        self.shared.fleet.obstacle()
     }
 
     /// The lineage, to read from.
@@ -244,9 +250,11 @@ impl Driver {
         let (picks, made) = mpsc::unbounded_channel();
         // Its end takes it out again: it must be in by then.
         let mut active = self.active();
-        let conducting =
-            tokio::spawn(conduct::conduct(self.clone(), stored, experiment, queue, progress.clone(), made));
-        active.insert(id, Active { control, progress, picks, conducting });
+        let name = stored.name.clone();
+        let span = tracing::info_span!("experiment", id = id.0, name);
+        let conduct = conduct::conduct(self.clone(), stored, experiment, queue, progress.clone(), made);
+        let conducting = tokio::spawn(conduct.instrument(span));
+        active.insert(id, Active { name, control, progress, picks, conducting });
         Ok(())
     }
 

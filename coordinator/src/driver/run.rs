@@ -1,6 +1,7 @@
 //! One run from generation to generation: taken up where it stands, told, asked, and opened in the lineage
 //! before anything is handed out. It waits for no outcome.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -14,8 +15,8 @@ use super::generation::{Generation, Inherited};
 use super::progress::{Ended, Happening, Tally};
 use crate::fleet::{Evaluation, TaskText};
 use crate::lineage::{
-    CloseGeneration, Culling, EndStage, InStage, NewChoice, NewStage, OpenGeneration, ResumePoint, StageId,
-    Standing, StoredStage, evaluation_seed,
+    CloseGeneration, Culling, EndStage, InStage, IndividualId, NewChoice, NewStage, OpenGeneration,
+    ResumePoint, StageId, Standing, StoredStage, evaluation_seed,
 };
 
 /// One run under way.
@@ -32,6 +33,8 @@ pub(super) struct Run {
     opened: Instant,
     /// To be handed out once the run waits for them: an outcome that came before would find nobody.
     pub(super) evaluations: Vec<Evaluation>,
+    /// All of the generation's, if the experiment is audited: an outcome may be taken back.
+    pub(super) again: BTreeMap<IndividualId, Evaluation>,
 }
 
 /// A run that waits for a pick at the end of a stage.
@@ -158,8 +161,8 @@ impl Conductor {
                 Arc::new(TaskText::new(&stored.system, stored.system_version, &task.to_string()))
             },
         );
-        let (opened, evaluations) = (Instant::now(), Vec::new());
-        Run { number, stage, named, task, search, generation, inherited: 0, opened, evaluations }
+        let (opened, evaluations, again) = (Instant::now(), Vec::new(), BTreeMap::new());
+        Run { number, stage, named, task, search, generation, inherited: 0, opened, evaluations, again }
     }
 
     /// Tells the search a whole generation and opens the next.
@@ -311,29 +314,51 @@ impl Conductor {
     ) -> Result<Run, ConductError> {
         run.inherited = individuals.iter().filter(|individual| individual.inherits.is_some()).count() as u32;
         self.driver.shared.lineage.record(inherited.into_iter().map(take_over).collect()).await?;
-        let seed = self.experiment.seed_of(run.number);
         let unsettled = run.generation.unsettled();
         self.progress.settled(individuals.len() - unsettled.len(), 0);
         self.progress.generation(&run);
-        let mut individuals: Vec<_> = individuals.into_iter().map(Some).collect();
-        for index in unsettled {
-            let (stage, generation) = (run.named.number, run.generation.number);
-            let place = Place { stage, generation, index: index as u32 };
-            let individual = individuals[index].take().expect("each index is unsettled once");
-            run.evaluations.push(Evaluation {
-                id: run.generation.id(index).expect("an unsettled index is within the generation").0,
-                order: (run.number, place.generation, place.index),
-                task: run.task.clone(),
-                genotype: Bytes::from(individual.genotype),
-                seed: evaluation_seed(seed, place),
-                cull: culling.map(|culling| Cull {
-                    at: culling.at,
-                    cutoff: culling.cutoff,
-                    control: self.experiment.culling().is_some_and(|rule| rule.in_control(seed, place)),
-                }),
-            });
+        let is_unsettled = unsettled.into_iter().collect::<BTreeSet<_>>();
+        for (index, individual) in individuals.into_iter().enumerate() {
+            let may_be_taken_back = self.experiment.audit > 0.0 && individual.inherits.is_none();
+            if !may_be_taken_back && !is_unsettled.contains(&index) {
+                continue;
+            }
+            let id = run.generation.id(index).expect("it has an id for each individual");
+            let evaluation = self.evaluation(&run, id, index as u32, individual.genotype, culling);
+            if is_unsettled.contains(&index) {
+                run.evaluations.push(evaluation.clone());
+            }
+            if may_be_taken_back {
+                run.again.insert(id, evaluation);
+            }
         }
         Ok(run)
+    }
+
+    fn evaluation(
+        &self,
+        run: &Run,
+        id: IndividualId,
+        index: u32,
+        genotype: Vec<u8>,
+        culling: Option<Culling>,
+    ) -> Evaluation {
+        let seed = self.experiment.seed_of(run.number);
+        let place = Place { stage: run.named.number, generation: run.generation.number, index };
+        Evaluation {
+            id: id.0,
+            order: (run.number, place.generation, place.index),
+            task: run.task.clone(),
+            genotype: Bytes::from(genotype),
+            seed: evaluation_seed(seed, place),
+            cull: culling.map(|culling| Cull {
+                at: culling.at,
+                cutoff: culling.cutoff,
+                control: self.experiment.culling().is_some_and(|rule| rule.in_control(seed, place)),
+            }),
+            audit: self.experiment.audits(seed, place),
+            attempts_before: 0,
+        }
     }
 
     /// How many generations a stage takes, when known.

@@ -266,6 +266,17 @@ impl Reader {
         Ok(Some(state))
     }
 
+    /// Names of workers that are trusted no more.
+    pub async fn quarantined(&self) -> Result<Vec<String>, ReadError> {
+        Ok(sqlx::query_scalar(sql!("quarantined_names")).fetch_all(self.pool()).await?)
+    }
+
+    /// Outcomes of an experiment, in generations that have ended, which rest on the word of workers of one name.
+    pub async fn unaudited(&self, experiment: ExperimentId, worker: &str) -> Result<u64, ReadError> {
+        let query = sqlx::query_scalar::<_, i64>(sql!("unaudited")).bind(experiment.sql()).bind(worker);
+        Ok(query.fetch_one(self.pool()).await?.cast_unsigned())
+    }
+
     /// Which stage of its run.
     pub(super) async fn stage_number(&self, stage: StageId) -> Result<u32, ReadError> {
         let number = sqlx::query_scalar(sql!("stage_number")).bind(stage.sql());

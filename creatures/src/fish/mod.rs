@@ -30,6 +30,7 @@ pub mod perception;
 pub mod posture;
 pub mod practice;
 pub mod samples;
+mod scene;
 pub mod skyline;
 pub mod swimmer;
 pub mod task;

@@ -12,7 +12,7 @@ pub use race::Race;
 
 use super::body::Design;
 use super::{Body, Genotype, Swimmer};
-use crate::{Cull, DecodeError, Interim, Outcome, SpecError, Task, read_spec};
+use crate::{Cull, DecodeError, Observer, Outcome, SpecError, Task, read_spec};
 use glam::DVec3;
 use life::Watch;
 use serde::{Deserialize, Serialize};
@@ -242,22 +242,22 @@ impl Task for Ready {
         genotype: &[u8],
         seed: u64,
         cull: Option<&Cull>,
-        on_interim: &mut dyn FnMut(Interim),
+        observer: &mut dyn Observer,
     ) -> Result<Outcome, DecodeError> {
         let genotype = Genotype::decode(genotype)?;
         let outcome = match (self.trial(&genotype)?, &genotype) {
             (Trial::Drill(lesson, start), genotype) => {
-                drill::live(lesson, start, genotype, &mut Watch::new(lesson.steps, cull, on_interim))
+                drill::live(lesson, start, genotype, &mut Watch::new(lesson.steps, cull, observer))
             }
             (Trial::Race(course), genotype) => {
-                race::live(course, &self.fish, genotype, &mut Watch::new(course.steps, cull, on_interim))
+                race::live(course, &self.fish, genotype, &mut Watch::new(course.steps, cull, observer))
             }
             (Trial::Buoys(course), Genotype::ControllerSet(set)) => buoys::live(
                 course,
                 &self.fish,
                 set,
                 seed,
-                &mut Watch::new(course.all_steps(), cull, on_interim),
+                &mut Watch::new(course.all_steps(), cull, observer),
             ),
             (Trial::Buoys(_), _) => unreachable!("only sets are sent to the buoys"),
         };

@@ -1,6 +1,7 @@
 //! The `[task]` table (A-93, AF-1, AF-17) and the proofs.
 
 use super::*;
+use crate::Nobody;
 use serde_json::json;
 
 #[test]
@@ -77,7 +78,7 @@ fn proofs_have_their_bits() {
         let mut hasher = blake3::Hasher::new();
         for proof in proofs {
             let task = Fish.task(&proof.task).unwrap();
-            let outcome = task.evaluate(&proof.genotype, proof.seed, None, &mut |_| {}).unwrap();
+            let outcome = task.evaluate(&proof.genotype, proof.seed, None, &mut Nobody).unwrap();
             assert_eq!(outcome.status, crate::Status::Completed, "{}: {}", proof.task, outcome.note);
             hasher.update(&outcome.digest());
         }

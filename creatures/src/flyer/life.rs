@@ -3,11 +3,12 @@
 
 use super::fitness::Flight;
 use super::phenotype::{Phenotype, Survey};
-use super::skeleton::{grow, intersects_itself, span};
+use super::scene;
+use super::skeleton::{Bone, grow, intersects_itself, span};
 use super::task::{FlyerTask, Measure};
 use super::{Brain, Genotype};
 use crate::physics::articulated::StepFault;
-use crate::{Cull, Interim, Outcome, Reason, Status, Verdict};
+use crate::{Cull, Interim, Observer, Outcome, Reason, Status, Verdict};
 use glam::DVec3;
 
 /// How far a hinge has to swing to either side of its mean to count as beating, rad: far below any stroke,
@@ -18,6 +19,8 @@ const STROKE_MIN: f64 = 1e-6;
 #[derive(Debug)]
 pub(super) struct Life<'a> {
     task: &'a FlyerTask,
+    /// In the start pose.
+    bones: Vec<Bone>,
     phenotype: Phenotype,
     brain: Brain,
     intersects: bool,
@@ -68,11 +71,14 @@ impl<'a> Life<'a> {
             interim: None,
             span: span(&bones),
             flaps: Vec::with_capacity(task.steps as usize),
+            bones,
         }
     }
 
     /// Steps in the order of F-49: move; then blow-up, fitness, landing, culling.
-    pub(super) fn live(&mut self, cull: Option<&Cull>, on_interim: &mut dyn FnMut(Interim)) -> End {
+    pub(super) fn live(&mut self, cull: Option<&Cull>, observer: &mut dyn Observer) -> End {
+        observer.trial(0, &|| scene::scene(&self.bones, self.task.dt));
+        self.show(observer);
         if self.intersects {
             return End::Aborted(Reason::SelfIntersecting, "films cross in the start pose".to_owned());
         }
@@ -87,6 +93,7 @@ impl<'a> Life<'a> {
                 return End::Aborted(reason, format!("{fault} at step {}", self.steps + 1));
             }
             self.steps += 1;
+            self.show(observer);
             let Survey { velocity, speed, landed } = self.phenotype.survey();
             if speed >= self.task.blow_up_speed {
                 let note = format!("speed {speed:.1} m/s at step {}", self.steps);
@@ -104,13 +111,18 @@ impl<'a> Life<'a> {
             if let Some((cull, _)) = cull.filter(|&(_, step)| step == self.steps) {
                 let interim = Interim { step: self.steps, measure: self.measure() };
                 self.interim = Some(interim);
-                on_interim(interim);
+                observer.interim(interim);
                 if cull.verdict(interim.measure) == Verdict::Cull {
                     return End::Culled;
                 }
             }
         }
         End::Completed
+    }
+
+    /// Lets the observer see where everything is.
+    fn show(&self, observer: &mut dyn Observer) {
+        observer.frame(f64::from(self.steps) * self.task.dt, &|| scene::frame(&self.phenotype));
     }
 
     /// Sense, decide, drive, move (F-30, F-49).

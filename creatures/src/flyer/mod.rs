@@ -13,6 +13,7 @@ pub mod function;
 pub mod genotype;
 mod life;
 pub mod phenotype;
+mod scene;
 pub mod sensors;
 pub mod skeleton;
 pub mod task;

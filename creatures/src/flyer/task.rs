@@ -3,7 +3,7 @@
 
 use super::Genotype;
 use super::life::Life;
-use crate::{Cull, DecodeError, Interim, Outcome, SpecError, Task};
+use crate::{Cull, DecodeError, Observer, Outcome, SpecError, Task};
 use serde::{Deserialize, Serialize};
 
 /// Physics steps that one evaluation may have at most.
@@ -160,11 +160,11 @@ impl Task for FlyerTask {
         genotype: &[u8],
         _seed: u64, // a flyer's life draws nothing (F-5)
         cull: Option<&Cull>,
-        on_interim: &mut dyn FnMut(Interim),
+        observer: &mut dyn Observer,
     ) -> Result<Outcome, DecodeError> {
         let genotype = Genotype::decode(genotype)?;
         let mut life = Life::new(self, &genotype);
-        let end = life.live(cull, on_interim);
+        let end = life.live(cull, observer);
         Ok(life.outcome(end))
     }
 }

@@ -1,6 +1,7 @@
 //! The `[task]` table (F-66, X-11), the culling rule's measure (F-54) and the proofs.
 
 use super::*;
+use crate::Nobody;
 use serde_json::json;
 
 /// F-66
@@ -74,7 +75,7 @@ fn the_culling_rule_compares_what_the_task_says() {
 fn live_first_proof() -> crate::Outcome {
     let proof = &Flyer.proofs()[0];
     let task = Flyer.task(&proof.task).unwrap();
-    task.evaluate(&proof.genotype, proof.seed, None, &mut |_| {}).unwrap()
+    task.evaluate(&proof.genotype, proof.seed, None, &mut Nobody).unwrap()
 }
 
 #[test]
@@ -84,7 +85,7 @@ fn proofs_are_legal_and_fly() {
     for (place, proof) in proofs.iter().enumerate() {
         let task = Flyer.task(&proof.task).unwrap();
         task.check(&proof.genotype).unwrap();
-        let outcome = task.evaluate(&proof.genotype, proof.seed, None, &mut |_| {}).unwrap();
+        let outcome = task.evaluate(&proof.genotype, proof.seed, None, &mut Nobody).unwrap();
         assert_eq!(
             (outcome.status, outcome.steps),
             (crate::Status::Completed, 100),

@@ -9,6 +9,7 @@ pub mod genotype;
 pub mod grn;
 pub mod neat;
 pub mod phenotype;
+mod scene;
 pub mod sensors;
 pub mod task;
 

@@ -4,9 +4,9 @@
 use super::body::BodyKind;
 use super::genotype::Genotype;
 use super::phenotype::{Footing, Phenotype};
-use super::{grn, neat, sensors};
+use super::{grn, neat, scene, sensors};
 use crate::math::pow;
-use crate::{Cull, DecodeError, Interim, Outcome, Reason, SpecError, Status, Task, Verdict};
+use crate::{Cull, DecodeError, Interim, Observer, Outcome, Reason, SpecError, Status, Task, Verdict};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -152,11 +152,11 @@ impl Task for WalkerTask {
         genotype: &[u8],
         _seed: u64, // a walker's life draws nothing (G-3)
         cull: Option<&Cull>,
-        on_interim: &mut dyn FnMut(Interim),
+        observer: &mut dyn Observer,
     ) -> Result<Outcome, DecodeError> {
         let genotype = self.read(genotype)?;
         let mut life = Life::new(self, &genotype);
-        let end = life.live(cull, on_interim);
+        let end = life.live(cull, observer);
         Ok(life.outcome(end))
     }
 }
@@ -204,13 +204,15 @@ impl<'a> Life<'a> {
     }
 
     /// Control steps in the order of G-21: sense, decide, drive, move.
-    fn live(&mut self, cull: Option<&Cull>, on_interim: &mut dyn FnMut(Interim)) -> End {
+    fn live(&mut self, cull: Option<&Cull>, observer: &mut dyn Observer) -> End {
         let task = self.task;
         let mut readings = vec![0.0; task.body.inputs()];
         let mut commands = vec![0.0; task.body.degrees()];
         let dt = 1.0 / f64::from(task.physics_hz);
         let steps = task.controls() * task.substeps();
         let cull = cull.map(|cull| (cull, (cull.at * f64::from(steps)) as u32));
+        observer.trial(0, &|| scene::scene(task.body, dt));
+        self.show(dt, observer);
         for _ in 0..task.controls() {
             if let Err(fault) = self.phenotype.sense(&mut readings) {
                 return self.abort(Reason::NonFinite, &fault);
@@ -222,7 +224,7 @@ impl<'a> Life<'a> {
                 if let Some((cull, _)) = cull.filter(|&(_, step)| step == self.steps) {
                     let interim = Interim { step: self.steps, measure: self.dis() };
                     self.interim = Some(interim);
-                    on_interim(interim);
+                    observer.interim(interim);
                     if cull.verdict(interim.measure) == Verdict::Cull {
                         return End::Culled;
                     }
@@ -232,12 +234,18 @@ impl<'a> Life<'a> {
                 }
                 self.steps += 1;
                 self.measure(dt);
+                self.show(dt, observer);
             }
             if let Some(excess) = self.excess() {
                 return self.abort(Reason::BlowUp, &excess);
             }
         }
         End::Completed
+    }
+
+    /// Lets the observer see where everything is.
+    fn show(&self, dt: f64, observer: &mut dyn Observer) {
+        observer.frame(f64::from(self.steps) * dt, &|| scene::frame(&self.phenotype));
     }
 
     fn abort(&self, reason: Reason, what: &dyn std::fmt::Display) -> End {

@@ -1,7 +1,7 @@
 use super::*;
 use crate::Place;
 use creatures::fish::{Fish, Genotype};
-use creatures::{Status, System, Task};
+use creatures::{Nobody, Status, System, Task};
 use serde_json::json;
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ fn task() -> Box<dyn Task> {
 
 /// The outcomes of a generation; with `backwards` they are lived in another order.
 fn live(task: &dyn Task, individuals: &[Individual], backwards: bool) -> Vec<Option<Outcome>> {
-    let live = |individual: &Individual| task.evaluate(&individual.genotype, 1, None, &mut |_| {}).ok();
+    let live = |individual: &Individual| task.evaluate(&individual.genotype, 1, None, &mut Nobody).ok();
     if backwards {
         let mut outcomes: Vec<_> = individuals.iter().rev().map(live).collect();
         outcomes.reverse();

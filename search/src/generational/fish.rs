@@ -60,7 +60,7 @@ impl Variation for variation::Variation {
 mod tests {
     use crate::registry;
     use creatures::fish::Fish;
-    use creatures::{Outcome, System};
+    use creatures::{Nobody, Outcome, System};
     use serde_json::json;
 
     /// a population of controllers learns to get on.
@@ -77,7 +77,7 @@ mod tests {
             if individuals.is_empty() {
                 break;
             }
-            let live = |genotype: &[u8]| task.evaluate(genotype, 0, None, &mut |_| {}).ok();
+            let live = |genotype: &[u8]| task.evaluate(genotype, 0, None, &mut Nobody).ok();
             let outcomes: Vec<Option<Outcome>> = individuals.iter().map(|one| live(&one.genotype)).collect();
             best.push(search.tell(&outcomes).notes["max_progress"].as_f64().unwrap());
             let restored = plan.restore(1, 0, &search.checkpoint()).unwrap().ask();

@@ -63,7 +63,7 @@ mod tests {
     use crate::registry;
     use creatures::fish::Fish;
     use creatures::fish::habits::Genotype;
-    use creatures::{Outcome, System};
+    use creatures::{Nobody, Outcome, System};
     use serde_json::json;
 
     /// habits of the scenario's fishes are bred, restored and lived.
@@ -84,7 +84,7 @@ mod tests {
             for _ in 0..3 {
                 let individuals = search.ask();
                 assert_eq!(individuals.len(), 6);
-                let live = |genotype: &[u8]| task.evaluate(genotype, 7, None, &mut |_| {}).ok();
+                let live = |genotype: &[u8]| task.evaluate(genotype, 7, None, &mut Nobody).ok();
                 let outcomes: Vec<Option<Outcome>> =
                     individuals.iter().map(|one| live(&one.genotype)).collect();
                 assert!(outcomes.iter().all(Option::is_some), "{scenario}: every child is legal");

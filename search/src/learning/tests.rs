@@ -1,6 +1,6 @@
 use super::*;
 use creatures::fish::{Fish, Genotype};
-use creatures::{System, Task};
+use creatures::{Nobody, System, Task};
 use serde_json::json;
 
 fn curriculum() -> Value {
@@ -55,7 +55,7 @@ fn learn(settings: &Settings, kills: &[usize]) -> Vec<Vec<(Individual, u64)>> {
         if individuals.is_empty() {
             return generations;
         }
-        let live = |individual: &Individual| task.evaluate(&individual.genotype, 3, None, &mut |_| {}).ok();
+        let live = |individual: &Individual| task.evaluate(&individual.genotype, 3, None, &mut Nobody).ok();
         let outcomes: Vec<_> = individuals.iter().map(live).collect();
         search.tell(&outcomes);
         let fitness = outcomes.iter().map(|outcome| outcome.as_ref().unwrap().fitness.to_bits());

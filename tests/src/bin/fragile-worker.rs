@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::sync::OnceLock;
 
 use clap::Parser;
-use creatures::{Cull, DecodeError, Interim, Outcome, Proof, SpecError, System, Task};
+use creatures::{Cull, DecodeError, Observer, Outcome, Proof, SpecError, System, Task};
 
 /// What is wrong with this worker.
 #[derive(Debug, Parser)]
@@ -95,12 +95,12 @@ impl Task for FragileTask {
         genotype: &[u8],
         seed: u64,
         cull: Option<&Cull>,
-        on_interim: &mut dyn FnMut(Interim),
+        observer: &mut dyn Observer,
     ) -> Result<Outcome, DecodeError> {
         let fatal_below = *FATAL_BELOW.get().expect("set before the first evaluation");
         if genotype.first().is_some_and(|&first| first < fatal_below) {
             std::process::abort();
         }
-        self.0.evaluate(genotype, seed, cull, on_interim)
+        self.0.evaluate(genotype, seed, cull, observer)
     }
 }

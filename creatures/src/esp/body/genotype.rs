@@ -142,6 +142,32 @@ pub struct Receptor {
     pub direction: DVec3,
 }
 
+impl Joint {
+    /// How many degrees of freedom it leaves (E-4).
+    pub fn freedoms(self) -> usize {
+        match self {
+            Joint::Fixed => 0,
+            Joint::Revolute | Joint::Prismatic => 1,
+            Joint::Cylindrical => 2,
+            Joint::Spherical => 3,
+        }
+    }
+}
+
+impl Segment {
+    /// The gene without receptors.
+    pub fn bare(&self) -> Segment {
+        Segment { receptors: Vec::new(), ..self.clone() }
+    }
+}
+
+impl Edge {
+    /// The gene without muscles.
+    pub fn bare(&self) -> Edge {
+        Edge { muscles: Vec::new(), ..self.clone() }
+    }
+}
+
 impl Body {
     /// Checks all that a graph shows without being expressed; nothing is clamped.
     ///
@@ -278,3 +304,6 @@ fn unit(field: String, length: f64) -> Result<(), DecodeError> {
         illegal(field, format!("length {length} is not 1"))
     }
 }
+
+#[cfg(test)]
+mod tests;

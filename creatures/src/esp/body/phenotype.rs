@@ -16,6 +16,8 @@ pub struct Phenotype {
     pub muscles: Vec<Muscle>,
     /// In the order of their parts, then of their genes.
     pub receptors: Vec<Receptor>,
+    /// Muscles that were left out, as their rest length is too short (E-18).
+    pub too_short: Vec<InstanceKey>,
 }
 
 /// One occurrence of a segment gene.
@@ -78,6 +80,13 @@ pub struct Receptor {
     pub point: DVec3,
     /// Where it looks, unit, part frame.
     pub axis: DVec3,
+}
+
+impl Part {
+    /// Where a point of the part's frame is in the rest pose, m.
+    pub fn place(&self, point: DVec3) -> DVec3 {
+        self.position + self.rotation * point
+    }
 }
 
 impl Phenotype {

@@ -2,9 +2,11 @@
 
 use super::life::{End, Watch};
 use super::{BodyPlan, STEPS_MAX};
+use crate::fish::scene;
 use crate::fish::{Chase, ControllerSet, Still, Swimmer};
 use crate::math::{cos, sin};
 use crate::random::stream;
+use crate::record::{Frame, Part, Pose, Scene, Shape};
 use crate::{Outcome, SpecError};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -152,6 +154,8 @@ impl<'a> Hunt<'a> {
 
     fn swim(&mut self, watch: &mut Watch<'_>, measure: impl Fn(f64) -> f64) -> Result<(), End> {
         let length = self.fish.body.length();
+        watch.trial(self.trial, || self.scene());
+        watch.frame(0, || self.frame());
         for step in 1..=self.course.steps {
             let posture = self.fish.posture();
             let command = self.chase.toward(self.buoy, 1.0, &posture, self.fish.body.size);
@@ -164,9 +168,25 @@ impl<'a> Hunt<'a> {
                 self.leg = (self.buoy - mouth).length();
                 self.chase = Chase::default();
             }
+            watch.frame(step, || self.frame());
             watch.count(|| measure(self.standing()))?;
         }
         Ok(())
+    }
+
+    /// The fish and the buoy that it is after, as large as the mouth's reach.
+    fn scene(&self) -> Scene {
+        let mut scene = scene::alone(&self.fish);
+        let radius = self.course.reach * self.fish.body.length();
+        let shapes = vec![Shape::Sphere { radius }];
+        scene.parts.push(Part { name: "buoy".to_owned(), creature: None, shapes });
+        scene
+    }
+
+    fn frame(&self) -> Frame {
+        let mut frame = scene::frame(&self.fish);
+        frame.poses.push(Pose::at(self.buoy));
+        frame
     }
 
     /// Buoys reached + 1 − distance left / leg.

@@ -6,6 +6,7 @@ use crate::fish::mechanics::TIME_STEP;
 use crate::fish::objective::{Trace, distance_to_path};
 use crate::fish::practice::Practice;
 use crate::fish::samples::{HORIZONS, MuscleFunctions, STEPS};
+use crate::fish::scene;
 use crate::fish::{Command, Criterion, Genotype, Interpolation, Objective, Still, Swimmer};
 use crate::math::wrap_angle;
 use crate::{Outcome, SpecError};
@@ -126,9 +127,12 @@ struct Drilled<'a> {
 
 impl Drilled<'_> {
     fn practise(&mut self, practice: &mut Practice<'_>, watch: &mut Watch<'_>) -> Result<(), End> {
+        watch.trial(0, || scene::alone(&self.fish));
+        watch.frame(0, || scene::frame(&self.fish));
         for step in 1..=self.lesson.steps {
             self.fish.practise(&practice.step(step), &Still)?;
             self.steps = step;
+            watch.frame(step, || scene::frame(&self.fish));
             if let Criterion::Path(path) = &self.lesson.objective.criterion {
                 self.strayed += distance_to_path(self.fish.center_of_mass(), path);
             }

@@ -1,15 +1,16 @@
 //! What all trials have in common: counting steps, the interim report, and how an end becomes an outcome. It
 //! knows no task.
 
-use crate::fish::mechanics::Fault;
-use crate::{Cull, Interim, Outcome, Reason, Status, Verdict};
+use crate::fish::mechanics::{Fault, TIME_STEP};
+use crate::record::{Frame, Scene};
+use crate::{Cull, Interim, Observer, Outcome, Reason, Status, Verdict};
 
 /// Watches one evaluation.
 pub(in crate::fish) struct Watch<'a> {
     /// Steps done.
     pub(in crate::fish) steps: u32,
     cull: Option<(&'a Cull, u32)>,
-    on_interim: &'a mut dyn FnMut(Interim),
+    observer: &'a mut dyn Observer,
     interim: Option<Interim>,
 }
 
@@ -31,10 +32,20 @@ impl<'a> Watch<'a> {
     pub(in crate::fish) fn new(
         steps: u32,
         cull: Option<&'a Cull>,
-        on_interim: &'a mut dyn FnMut(Interim),
+        observer: &'a mut dyn Observer,
     ) -> Watch<'a> {
         let cull = cull.map(|cull| (cull, ((cull.at * f64::from(steps)) as u32).max(1)));
-        Watch { steps: 0, cull, on_interim, interim: None }
+        Watch { steps: 0, cull, observer, interim: None }
+    }
+
+    /// A trial of a number begins.
+    pub(in crate::fish) fn trial(&mut self, number: u32, scene: impl Fn() -> Scene) {
+        self.observer.trial(number, &scene);
+    }
+
+    /// A trial stands after so many steps of its own.
+    pub(in crate::fish) fn frame(&mut self, steps: u32, frame: impl Fn() -> Frame) {
+        self.observer.frame(f64::from(steps) * TIME_STEP, &frame);
     }
 
     /// Counts a step, and makes the interim report if it is due.
@@ -48,7 +59,7 @@ impl<'a> Watch<'a> {
         };
         let interim = Interim { step: self.steps, measure: measure() };
         self.interim = Some(interim);
-        (self.on_interim)(interim);
+        self.observer.interim(interim);
         if cull.verdict(interim.measure) == Verdict::Cull { Err(End::Culled) } else { Ok(()) }
     }
 

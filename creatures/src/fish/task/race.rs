@@ -6,6 +6,7 @@ use super::{BodyPlan, STEPS_MAX};
 use crate::fish::mechanics::TIME_STEP;
 use crate::fish::practice::Practice;
 use crate::fish::samples::MuscleFunctions;
+use crate::fish::scene;
 use crate::fish::{Genotype, Interpolation, Still, Swimmer};
 use crate::math::wrap_angle;
 use crate::{Outcome, SpecError};
@@ -103,11 +104,14 @@ impl Racer {
         practice: &mut Practice<'_>,
         watch: &mut Watch<'_>,
     ) -> Result<(), End> {
+        watch.trial(0, || scene::alone(&self.fish));
+        watch.frame(0, || scene::frame(&self.fish));
         for step in 1..=course.steps {
             let before = self.fish.posture().heading();
             self.fish.practise(&practice.step(step), &Still)?;
             self.turned += wrap_angle(self.fish.posture().heading() - before);
             self.steps = step;
+            watch.frame(step, || scene::frame(&self.fish));
             if step == course.steps / 2 {
                 self.half = Some((self.fish.center_of_mass(), self.turned));
             }

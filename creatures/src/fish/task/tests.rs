@@ -3,7 +3,7 @@ use crate::fish::controller_set::tests::{beating, set};
 use crate::fish::samples::Encoding;
 use crate::fish::{Genotype, Samples};
 use crate::random::stream;
-use crate::{Reason, Status};
+use crate::{Nobody, Reason, Status};
 use serde_json::json;
 
 fn ready(task: Value) -> Ready {
@@ -11,7 +11,7 @@ fn ready(task: Value) -> Ready {
 }
 
 fn live(task: Value, genotype: &Genotype) -> Outcome {
-    ready(task).evaluate(&genotype.encode(), 7, None, &mut |_| {}).unwrap()
+    ready(task).evaluate(&genotype.encode(), 7, None, &mut Nobody).unwrap()
 }
 
 fn measure(outcome: &Outcome, name: &str) -> f64 {
@@ -89,7 +89,7 @@ fn buoys_are_drawn_by_the_seed_and_within_the_course() {
     let course = buoys::Course::default();
     let task = ready(json!({"scenario": "buoys", "course": {"trials": 1, "steps": 200}}));
     let bytes = Genotype::ControllerSet(set()).encode();
-    let fitness = |seed| task.evaluate(&bytes, seed, None, &mut |_| {}).unwrap().fitness;
+    let fitness = |seed| task.evaluate(&bytes, seed, None, &mut Nobody).unwrap().fitness;
     assert_eq!(fitness(1), fitness(1));
     assert_ne!(fitness(1), fitness(2));
     assert!(course.check().is_ok());
@@ -113,9 +113,9 @@ fn every_scenario_reports_and_is_culled_on_the_way() {
         assert_eq!(outcome.interim, seen);
         let speed = outcome.measures.iter().any(|(name, _)| name == "speed");
         assert_eq!(speed, steps == 182, "a race that was stopped has no speed");
-        let free = task.evaluate(&genotype.encode(), 1, None, &mut |_| {}).unwrap();
+        let free = task.evaluate(&genotype.encode(), 1, None, &mut Nobody).unwrap();
         let spared = Cull { control: true, ..cull };
-        let spared = task.evaluate(&genotype.encode(), 1, Some(&spared), &mut |_| {}).unwrap();
+        let spared = task.evaluate(&genotype.encode(), 1, Some(&spared), &mut Nobody).unwrap();
         assert_eq!((spared.fitness, spared.steps, free.interim), (free.fitness, steps, None));
     }
 }
@@ -126,7 +126,7 @@ fn a_genotype_of_another_kind_or_lesson_is_refused_by_its_field() {
     let refused = |task: Value, genotype: &Genotype| {
         let task = ready(task);
         let error = task.check(&genotype.encode()).unwrap_err().to_string();
-        assert!(task.evaluate(&genotype.encode(), 0, None, &mut |_| {}).is_err());
+        assert!(task.evaluate(&genotype.encode(), 0, None, &mut Nobody).is_err());
         error
     };
     let samples = |lesson, steps| {

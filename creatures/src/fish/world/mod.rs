@@ -13,6 +13,7 @@ pub mod grid;
 pub mod inhabitant;
 pub mod obstacle;
 pub mod particle;
+mod scene;
 pub mod suction;
 pub mod tank;
 pub mod task;

@@ -12,7 +12,7 @@ use crate::fish::habits::{Genotype, Habits, Nature, Sex};
 use crate::fish::mechanics::TIME_STEP;
 use crate::fish::task::life::Watch;
 use crate::random::{Stream, stream};
-use crate::{Cull, DecodeError, Interim, Outcome, Proof, SpecError, Task, read_spec};
+use crate::{Cull, DecodeError, Observer, Outcome, Proof, SpecError, Task, read_spec};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -384,11 +384,11 @@ impl Task for WorldTask {
         genotype: &[u8],
         seed: u64,
         cull: Option<&Cull>,
-        on_interim: &mut dyn FnMut(Interim),
+        observer: &mut dyn Observer,
     ) -> Result<Outcome, DecodeError> {
         let genotype = self.genotype(genotype)?;
         let steps = self.steps() * self.trials;
-        let mut watch = Watch::new(steps, cull, on_interim);
+        let mut watch = Watch::new(steps, cull, observer);
         Ok(Trial::all(self, &genotype, seed, &mut watch))
     }
 }

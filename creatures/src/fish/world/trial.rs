@@ -1,8 +1,7 @@
 //! A trial in the tank: from its start to its end or to where its end is known, what it is worth, and what it can
 //! be worth at most.
 
-use super::Inhabitant;
-use super::{Aquarium, Event, WorldTask};
+use super::{Aquarium, Event, Inhabitant, WorldTask, scene};
 use crate::Outcome;
 use crate::fish::behaviour::Stage;
 use crate::fish::habits::variation::Focus;
@@ -59,6 +58,8 @@ impl<'a> Trial<'a> {
         let mut hasher = blake3::Hasher::new();
         for index in 0..task.trials {
             let mut trial = Trial::new(task, genotype, seed, index);
+            watch.trial(index, || scene::scene(&trial.aquarium));
+            watch.frame(0, || scene::frame(&trial.aquarium));
             // What trials to come can be worth at most is what this one could at its start.
             let later = f64::from(task.trials - index - 1) * trial.bound();
             end = trial.run(watch, |here| (sum + here + later) / trials, &mut note);
@@ -111,6 +112,7 @@ impl<'a> Trial<'a> {
                 return Err(lost.fault.into());
             }
             self.note_events();
+            watch.frame(self.aquarium.steps, || scene::frame(&self.aquarium));
             watch.count(|| worth(self.bound()))?;
         }
         Ok(())

@@ -4,7 +4,7 @@ use super::*;
 use crate::flyer::skeleton::tests::{creature, wing};
 use crate::flyer::{Function, Kind, Neuron, Settings, Source};
 use crate::random::stream;
-use crate::{Outcome, Task};
+use crate::{Nobody, Outcome, Task};
 
 fn founder(place: u32) -> Genotype {
     Genotype::random(&Settings::default(), &mut stream(1, [0, 0, place], "life test"))
@@ -16,12 +16,12 @@ fn faller() -> Genotype {
 }
 
 fn live(task: &FlyerTask, genotype: &Genotype) -> Outcome {
-    task.evaluate(&genotype.encode(), 0, None, &mut |_| {}).unwrap()
+    task.evaluate(&genotype.encode(), 0, None, &mut Nobody).unwrap()
 }
 
 fn culled_at(task: &FlyerTask, genotype: &Genotype, cutoff: Option<f64>, control: bool) -> Outcome {
     let cull = Cull { at: 0.25, cutoff, control };
-    task.evaluate(&genotype.encode(), 0, Some(&cull), &mut |_| {}).unwrap()
+    task.evaluate(&genotype.encode(), 0, Some(&cull), &mut Nobody).unwrap()
 }
 
 fn measure(outcome: &Outcome, name: &str) -> Option<f64> {
@@ -67,7 +67,7 @@ fn an_evaluation_is_a_pure_function_with_every_measure() {
     assert_eq!(outcome.steps, of("hover_steps") as u32);
     assert!(of("max_speed") > 0.0 && of("max_speed") < 1000.0 && of("mass") > 0.6);
     assert_eq!(live(&task, &genotype).digest(), outcome.digest());
-    let again = task.evaluate(&genotype.encode(), 99, None, &mut |_| {}).unwrap();
+    let again = task.evaluate(&genotype.encode(), 99, None, &mut Nobody).unwrap();
     assert_eq!(again.digest(), outcome.digest(), "the seed is accepted and unused");
 }
 
@@ -77,7 +77,7 @@ fn distance_is_horizontal_and_as_the_crow_flies() {
     let task = FlyerTask { steps: 200, ..FlyerTask::default() };
     let (genotype, outcome) = flier(&task);
     let mut life = Life::new(&task, &genotype);
-    life.live(None, &mut |_| {});
+    life.live(None, &mut Nobody);
     let moved = life.phenotype.world().center_of_mass() - life.start;
     assert!((moved.x.abs() - moved.z.abs()).abs() > 0.1 && moved.y.abs() > 0.1, "a telling way: {moved}");
     let expected = (moved.x * moved.x + moved.z * moved.z).sqrt();
@@ -92,7 +92,7 @@ fn every_parameter_matters() {
     let creatures: Vec<Genotype> = (0..24).map(founder).collect();
     let lives = |task: &FlyerTask| -> Vec<[u8; 32]> {
         let cull = Cull { at: 0.25, cutoff: None, control: false };
-        let live = |genotype: &Genotype| task.evaluate(&genotype.encode(), 0, Some(&cull), &mut |_| {});
+        let live = |genotype: &Genotype| task.evaluate(&genotype.encode(), 0, Some(&cull), &mut Nobody);
         creatures.iter().map(|genotype| live(genotype).unwrap().digest()).collect()
     };
     let expected = lives(&paper);
@@ -196,7 +196,8 @@ fn the_earliest_interim_report_comes_after_the_first_step() {
     let cull = Cull { at: 1e-6, cutoff: None, control: false };
     let mut heard = vec![];
     let task = FlyerTask { steps: 8, ..FlyerTask::default() };
-    task.evaluate(&faller().encode(), 0, Some(&cull), &mut |interim| heard.push(interim.step)).unwrap();
+    task.evaluate(&faller().encode(), 0, Some(&cull), &mut |interim: Interim| heard.push(interim.step))
+        .unwrap();
     assert_eq!(heard, [1]);
 }
 

@@ -1,6 +1,7 @@
 //! Fitness (T-9), whole evaluations, culling, and what goes wrong.
 
 use super::*;
+use crate::Nobody;
 use crate::random::stream;
 
 fn short(body: BodyKind) -> WalkerTask {
@@ -45,7 +46,7 @@ fn an_evaluation_is_a_pure_function_with_every_measure() {
     for body in BodyKind::ALL {
         let task = short(body);
         let genotype = founder(body).encode();
-        let live = |seed| task.evaluate(&genotype, seed, None, &mut |_| {}).unwrap();
+        let live = |seed| task.evaluate(&genotype, seed, None, &mut Nobody).unwrap();
         let outcome = live(1);
         assert_eq!(outcome.status, Status::Completed);
         assert_eq!(outcome.steps, 120);
@@ -66,7 +67,7 @@ fn an_evaluation_is_a_pure_function_with_every_measure() {
 fn a_network_without_links_stays_where_it_is() {
     let genotype = Genotype::Neat(neat::Genotype { body: BodyKind::Hopper, hidden: vec![], links: vec![] });
     let task = WalkerTask::new(BodyKind::Hopper);
-    let outcome = task.evaluate(&genotype.encode(), 0, None, &mut |_| {}).unwrap();
+    let outcome = task.evaluate(&genotype.encode(), 0, None, &mut Nobody).unwrap();
     assert!(outcome.fitness <= 0.7, "fitness {}", outcome.fitness);
     assert_eq!((outcome.steps, measure(&outcome, "silent_pairs")), (1800, 0.0));
 }
@@ -80,7 +81,7 @@ fn random_creatures_live_to_the_end() {
         let grn = grn::Genotype::random(body, &grn::Settings::default(), &mut draws).encode();
         let neat = neat::Genotype::random(body, &neat::Settings::default(), &mut draws).encode();
         for genotype in [grn, neat] {
-            let outcome = task.evaluate(&genotype, 0, None, &mut |_| {}).unwrap();
+            let outcome = task.evaluate(&genotype, 0, None, &mut Nobody).unwrap();
             assert_eq!(outcome.status, Status::Completed, "{body:?} {place}: {}", outcome.note);
         }
     }
@@ -124,7 +125,7 @@ fn a_body_out_of_bounds_ends_its_life_with_the_quantity_and_the_step() {
     let thrown = |velocity: DVec3| {
         let mut life = Life::new(&task, &genotype);
         life.phenotype.throw(velocity);
-        let end = life.live(None, &mut |_| {});
+        let end = life.live(None, &mut Nobody);
         life.outcome(end)
     };
     let cases = [(DVec3::new(0.0, 60.0, 1.0), "speed "), (DVec3::new(0.0, 0.0, 45.0), "torso height 10.")];
@@ -138,7 +139,7 @@ fn a_body_out_of_bounds_ends_its_life_with_the_quantity_and_the_step() {
     let mut life = Life::new(&far, &genotype);
     life.start = DVec3::ZERO;
     life.phenotype.throw(DVec3::new(45.0, 0.0, 8.0));
-    let end = life.live(None, &mut |_| {});
+    let end = life.live(None, &mut Nobody);
     let note = life.outcome(end).note;
     assert!(note.starts_with("distance 100."), "{note}");
 }
@@ -149,7 +150,7 @@ fn a_number_that_is_none_ends_a_life_with_fitness_zero() {
     let task = short(BodyKind::Crawler);
     let mut life = Life::new(&task, &founder(BodyKind::Crawler));
     life.phenotype.throw(DVec3::new(f64::NAN, 0.0, 0.0));
-    let end = life.live(None, &mut |_| {});
+    let end = life.live(None, &mut Nobody);
     let outcome = life.outcome(end);
     assert_eq!((outcome.status, outcome.fitness), (Status::Aborted(Reason::NonFinite), 0.0));
     assert_eq!(outcome.note, "a sensor is not finite at step 0");

@@ -1,7 +1,7 @@
 use super::*;
 use crate::fish::Fish;
 use crate::fish::habits::{Habits, Sex};
-use crate::{Cull, Interim, Status, System, Task};
+use crate::{Cull, Interim, Nobody, Status, System, Task};
 use serde_json::{Value, json};
 
 fn table(scenario: &str, keys: Value) -> Value {
@@ -22,7 +22,7 @@ fn published(focus: Focus) -> Vec<u8> {
 }
 
 fn live(task: &dyn Task, genotype: &[u8], seed: u64) -> Outcome {
-    let outcome = task.evaluate(genotype, seed, None, &mut |_| {}).unwrap();
+    let outcome = task.evaluate(genotype, seed, None, &mut Nobody).unwrap();
     assert_eq!(outcome.status, Status::Completed, "{}", outcome.note);
     outcome
 }
@@ -108,7 +108,7 @@ fn no_fitness_is_above_what_was_possible() {
         }
         assert!(last.is_finite(), "{name} reported");
         let cull = Cull { at: 0.5, cutoff: Some(1e3), control: false };
-        let culled = task.evaluate(&genotype, 5, Some(&cull), &mut |_| {}).unwrap();
+        let culled = task.evaluate(&genotype, 5, Some(&cull), &mut Nobody).unwrap();
         assert_eq!((culled.status, culled.fitness), (Status::Culled, 0.0));
     }
 }

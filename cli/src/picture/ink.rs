@@ -1,0 +1,92 @@
+//! What is drawn in which colour. The colours stay apart for the colour-blind (Okabe and Ito).
+
+use creatures::record::{Part, Scene};
+use plotters::style::RGBColor;
+
+pub(super) const PAPER: RGBColor = RGBColor(255, 255, 255);
+pub(super) const TEXT: RGBColor = RGBColor(40, 40, 40);
+pub(super) const GRID: RGBColor = RGBColor(228, 230, 234);
+pub(super) const FRAME: RGBColor = RGBColor(190, 190, 190);
+pub(super) const EARTH: RGBColor = RGBColor(222, 214, 200);
+pub(super) const EARTH_LINE: RGBColor = RGBColor(140, 125, 100);
+pub(super) const PROP: RGBColor = RGBColor(175, 180, 185);
+pub(super) const TRAIL: RGBColor = RGBColor(204, 121, 167);
+pub(super) const LIGHT: RGBColor = RGBColor(240, 200, 20);
+
+const TRUNK: RGBColor = RGBColor(150, 150, 155);
+const LEFT: RGBColor = RGBColor(86, 180, 233);
+const RIGHT: RGBColor = RGBColor(230, 159, 0);
+/// Of kinds of creatures, in the order in which a scene has them.
+const KINDS: [RGBColor; 4] =
+    [RGBColor(213, 94, 0), RGBColor(0, 158, 115), RGBColor(0, 114, 178), RGBColor(230, 159, 0)];
+
+/// The colour of every part of a scene, in its order: of one creature left and right are told apart, of
+/// several their kinds, which is their names up to the number.
+pub(super) fn colours(scene: &Scene) -> Vec<RGBColor> {
+    let kinds = kinds(scene);
+    let colour = |part: &Part| match part.creature.and_then(|index| scene.creatures.get(index as usize)) {
+        None => PROP,
+        Some(_) if has_sides(scene) => side(&part.name),
+        Some(name) => of_kind(&kinds, name),
+    };
+    scene.parts.iter().map(colour).collect()
+}
+
+/// What the colours say.
+pub(super) fn legend(scene: &Scene) -> Vec<(&str, RGBColor)> {
+    if has_sides(scene) {
+        return vec![("left", LEFT), ("right", RIGHT)];
+    }
+    let kinds = kinds(scene);
+    kinds.iter().map(|kind| (*kind, of_kind(&kinds, kind))).collect()
+}
+
+/// Whether it is of one creature whose parts have sides.
+fn has_sides(scene: &Scene) -> bool {
+    scene.creatures.len() == 1 && scene.parts.iter().any(|part| side(&part.name) != TRUNK)
+}
+
+fn kinds(scene: &Scene) -> Vec<&str> {
+    let mut kinds: Vec<&str> = Vec::new();
+    for name in &scene.creatures {
+        let kind = kind(name);
+        if !kinds.contains(&kind) {
+            kinds.push(kind);
+        }
+    }
+    kinds
+}
+
+fn of_kind(kinds: &[&str], name: &str) -> RGBColor {
+    let place = kinds.iter().position(|&other| other == kind(name)).unwrap_or(0);
+    KINDS[place % KINDS.len()]
+}
+
+/// The colours of creatures, for their trails.
+pub(super) fn trail(scene: &Scene, creature: usize) -> RGBColor {
+    if scene.creatures.len() == 1 {
+        return TRAIL;
+    }
+    let part = scene.parts.iter().position(|part| part.creature == Some(creature as u32));
+    part.map_or(TRAIL, |part| colours(scene)[part])
+}
+
+fn kind(name: &str) -> &str {
+    name.rsplit_once('_').map_or(name, |(kind, _)| kind)
+}
+
+fn side(part: &str) -> RGBColor {
+    if part.starts_with("left") {
+        LEFT
+    } else if part.starts_with("right") {
+        RIGHT
+    } else {
+        TRUNK
+    }
+}
+
+/// A colour under some light, 0 to 1.
+pub(super) fn lit(colour: RGBColor, light: f64) -> RGBColor {
+    let dim = |channel: u8| (f64::from(channel) * light.clamp(0.0, 1.0)).round() as u8;
+    RGBColor(dim(colour.0), dim(colour.1), dim(colour.2))
+}

@@ -1,0 +1,90 @@
+//! A recording as a picture: a contact sheet as PNG. It draws what was recorded and moves nothing.
+
+mod cell;
+mod charts;
+mod ink;
+mod moments;
+mod ruler;
+mod sheet;
+mod solid;
+mod view;
+
+use std::path::Path;
+
+use anyhow::{Context, anyhow};
+use creatures::record::Recording;
+use plotters::backend::{BitMapBackend, DrawingBackend};
+use plotters::drawing::IntoDrawingArea;
+
+use crate::render::letters;
+use cell::Pixels;
+use sheet::{SHARP, Sheet};
+
+/// Draws the contact sheet of a recording into a file, which is named `.png`.
+///
+/// # Errors
+/// Nothing was recorded, or the file cannot be written.
+pub(crate) fn draw(recording: &Recording, title: &str, subtitle: &str, file: &Path) -> anyhow::Result<()> {
+    let sheet = shrunk(&pixels(recording, title, subtitle)?);
+    let mut backend = BitMapBackend::new(file, sheet.size);
+    backend
+        .blit_bitmap((0, 0), sheet.size, &sheet.bytes)
+        .and_then(|()| backend.present())
+        .with_context(|| file.display().to_string())
+}
+
+/// The sheet before it is shrunk.
+fn pixels(recording: &Recording, title: &str, subtitle: &str) -> anyhow::Result<Pixels> {
+    if recording.shots.is_empty() || recording.scene.creatures.is_empty() {
+        return Err(anyhow!("there is nothing to draw: no frame was recorded"));
+    }
+    letters::register();
+    let sheet = Sheet::of(recording);
+    let size = sheet.size();
+    let mut bytes = vec![255; (size.0 * size.1 * 3) as usize];
+    {
+        let area = BitMapBackend::with_buffer(&mut bytes, size).into_drawing_area();
+        sheet.draw(&area, title, subtitle)?;
+        area.present()?;
+    }
+    let mut whole = Pixels { size, bytes };
+    for cell in sheet.cells() {
+        let (place, cell) = cell?;
+        whole.paste(&cell, place);
+    }
+    Ok(whole)
+}
+
+impl Pixels {
+    /// Copies another picture over this one; what would reach beyond is left out.
+    fn paste(&mut self, other: &Pixels, (x, y): (u32, u32)) {
+        let width = other.size.0.min(self.size.0.saturating_sub(x)) as usize * 3;
+        for line in 0..other.size.1.min(self.size.1.saturating_sub(y)) {
+            let to = ((y + line) * self.size.0 + x) as usize * 3;
+            let from = (line * other.size.0) as usize * 3;
+            self.bytes[to..to + width].copy_from_slice(&other.bytes[from..from + width]);
+        }
+    }
+}
+
+/// Each pixel the mean of those that it stands for.
+fn shrunk(large: &Pixels) -> Pixels {
+    let size = (large.size.0 / SHARP, large.size.1 / SHARP);
+    let mut bytes = Vec::with_capacity((size.0 * size.1 * 3) as usize);
+    for y in 0..size.1 {
+        for x in 0..size.0 {
+            for channel in 0..3 {
+                let at = |dx: u32, dy: u32| {
+                    let pixel = (y * SHARP + dy) * large.size.0 + x * SHARP + dx;
+                    u32::from(large.bytes[(pixel * 3 + channel) as usize])
+                };
+                let sum: u32 = (0..SHARP).flat_map(|dy| (0..SHARP).map(move |dx| at(dx, dy))).sum();
+                bytes.push((sum / (SHARP * SHARP)) as u8);
+            }
+        }
+    }
+    Pixels { size, bytes }
+}
+
+#[cfg(test)]
+mod tests;

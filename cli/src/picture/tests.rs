@@ -1,0 +1,62 @@
+use super::*;
+use creatures::record::{Keeper, Recording};
+use creatures::system;
+
+/// The first trial of a system's proof.
+fn recorded(name: &str, proof: usize) -> Recording {
+    let system = system(name).unwrap();
+    let proof = &system.proofs()[proof];
+    let mut keeper = Keeper::new(0, 1);
+    let task = system.task(&proof.task).unwrap();
+    task.evaluate(&proof.genotype, proof.seed, None, &mut keeper).unwrap();
+    keeper.recording().unwrap()
+}
+
+/// How many pixels of the sheet are strongly coloured: paper, grid, letters and ground are not.
+fn colourful(sheet: &Pixels) -> usize {
+    let strong = |pixel: &&[u8]| pixel.iter().max().unwrap() - pixel.iter().min().unwrap() > 90;
+    sheet.bytes.chunks_exact(3).filter(strong).count()
+}
+
+#[test]
+fn every_kind_of_creature_leaves_ink_and_a_picture_that_can_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, proof) in [("walker", 0), ("flyer", 3), ("fish", 0), ("fish", 5), ("fish", 6)] {
+        let recording = recorded(name, proof);
+        let with = pixels(&recording, "title", "subtitle").unwrap();
+        let mut bare = recording.clone();
+        bare.scene.parts.iter_mut().for_each(|part| part.shapes.clear());
+        let without = pixels(&bare, "title", "subtitle").unwrap();
+        assert!(colourful(&with) > colourful(&without) + 2000, "{name} {proof}: {}", colourful(&with));
+        let file = folder.path().join(format!("{name}-{proof}.png"));
+        draw(&recording, "title", "subtitle", &file).unwrap();
+        let png = std::fs::read(file).unwrap();
+        let side = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
+        assert_eq!((side(16) * SHARP, side(20) * SHARP), with.size, "{name} {proof}");
+    }
+}
+
+#[test]
+fn a_creature_that_never_moved_is_drawn_at_its_start() {
+    let mut recording = recorded("walker", 0);
+    recording.shots.truncate(1);
+    assert!(colourful(&pixels(&recording, "", "").unwrap()) > 1000);
+    recording.shots.clear();
+    assert!(pixels(&recording, "", "").err().unwrap().to_string().contains("no frame"));
+}
+
+#[test]
+fn a_file_that_cannot_be_written_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("missing").join("a.png");
+    let error = draw(&recorded("fish", 0), "", "", &file).unwrap_err();
+    assert!(format!("{error:#}").contains("missing/a.png"), "{error:#}");
+}
+
+#[test]
+fn shrinking_averages_and_pasting_stays_within() {
+    let mut large = Pixels { size: (4, 2), bytes: vec![0; 24] };
+    large.paste(&Pixels { size: (3, 3), bytes: vec![200; 27] }, (2, 1));
+    let small = shrunk(&large);
+    assert_eq!((small.size, small.bytes), ((2, 1), vec![0, 0, 0, 100, 100, 100]));
+}
