@@ -14,11 +14,16 @@ pub trait Plan: fmt::Debug + Send + Sync {
     /// The `[search]` table with every default filled in.
     fn table(&self) -> Value;
 
-    /// Individuals a generation.
+    /// Individuals a generation; those of the largest stage where stages differ.
     fn population(&self) -> u32;
 
-    /// Generations of the stage.
+    /// Generations of all stages.
     fn generations(&self) -> u32;
+
+    /// Individuals of all generations.
+    fn individuals(&self) -> u64 {
+        u64::from(self.population()) * u64::from(self.generations())
+    }
 
     /// The search at its beginning.
     fn start(&self, seed: u64, stage: u32) -> Box<dyn Search>;
@@ -82,7 +87,7 @@ pub static KINDS: [Kind; 7] = [
         name: probe::KIND,
         system: "probe",
         runs: 1,
-        read: |table, _| Ok(Box::new(probe::Settings::read(table)?)),
+        read: |table, task| Ok(Box::new(probe::Settings::read(table, task)?)),
     },
 ];
 

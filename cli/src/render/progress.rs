@@ -109,10 +109,7 @@ fn state_line(of: &v1::Experiment) -> String {
 
 fn generation_line(name: &str, of: &v1::Generation) -> String {
     let mut line = format!("{name} run {}", of.run);
-    if !of.stage_name.is_empty() {
-        line.push_str(&format!(" {}", of.stage_name));
-    }
-    line.push_str(&format!(" generation {}", position(of.generation, of.generations)));
+    line.push_str(&format!(" {}", position_in(of)));
     line.push_str(&format!(
         " best {} mean {} worst {}",
         number::figure(of.best),
@@ -130,6 +127,12 @@ fn generation_line(name: &str, of: &v1::Generation) -> String {
     line
 }
 
+/// `left_turn 12/80`, or `generation 12/80` where the stage has no name.
+fn position_in(of: &v1::Generation) -> String {
+    let stage = if of.stage_name.is_empty() { "generation" } else { &of.stage_name };
+    format!("{stage} {}", position(of.generation, of.generations))
+}
+
 fn position(number: u32, of: u32) -> String {
     if of == 0 { number.to_string() } else { format!("{number}/{of}") }
 }
@@ -144,6 +147,7 @@ struct Bars {
 #[derive(Debug)]
 struct Bar {
     drawn: ProgressBar,
+    stage: u32,
     generation: String,
     best: Option<f64>,
     fleet: String,
@@ -160,7 +164,7 @@ impl Bars {
             let drawn = self.all.add(ProgressBar::no_length().with_prefix(name.to_owned()));
             drawn.set_style(style("{prefix} {spinner} {pos} {wide_msg}"));
             drawn.enable_steady_tick(std::time::Duration::from_millis(250));
-            Bar { drawn, generation: String::new(), best: None, fleet: String::new() }
+            Bar { drawn, stage: 0, generation: String::new(), best: None, fleet: String::new() }
         })
     }
 
@@ -170,7 +174,8 @@ impl Bars {
                 let bar = self.bar(of.id, &of.name);
                 bar.length(of.planned);
                 bar.drawn.set_position(of.evaluated);
-                let best = of.progress.iter().filter_map(|run| run.best);
+                bar.stage = of.progress.iter().map(|run| run.stage).max().unwrap_or(0);
+                let best = of.progress.iter().filter(|run| run.stage == bar.stage).filter_map(|run| run.best);
                 bar.best = best.fold(bar.best, |best, next| Some(best.map_or(next, |b: f64| b.max(next))));
                 bar.draw();
             }
@@ -189,7 +194,10 @@ impl Bars {
 
     fn generation(&mut self, experiment: u64, name: &str, of: &v1::Generation) {
         let bar = self.bar(experiment, name);
-        bar.generation = format!("run {} generation {}", of.run, position(of.generation, of.generations));
+        bar.generation = format!("run {} {}", of.run, position_in(of));
+        if bar.stage != of.stage {
+            (bar.stage, bar.best) = (of.stage, None); // the fitness of different stages does not compare
+        }
         bar.best = Some(bar.best.map_or(of.best, |best| best.max(of.best)));
         bar.draw();
     }
@@ -251,7 +259,7 @@ mod tests {
             "crawler-grn run 2 generation 12/40 best 61.2000 mean 30.1250 worst 0.0000 culled 3 by #4711"
         );
         let endless = v1::Generation { generations: 0, stage_name: "reach".into(), ..generation() };
-        assert!(generation_line("a", &endless).starts_with("a run 2 reach generation 12 best"));
+        assert!(generation_line("a", &endless).starts_with("a run 2 reach 12 best"));
     }
 
     #[test]

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 
-use super::conduct::{ConductError, Conductor, Run, STAGE};
+use super::conduct::{ConductError, Conductor};
+use super::run::Run;
 use crate::fleet::Evaluation;
 use crate::lineage::{Event, IndividualId, ResumePoint, StageId};
 
@@ -51,7 +52,7 @@ impl Conductor {
             if !retracted.is_empty() {
                 count += retracted.len();
                 self.progress.taken_back(run.number, retracted.len());
-                self.progress.generation(run.number, STAGE, &run.generation);
+                self.progress.generation(run);
             }
         }
         let standing = lineage.reader().unaudited(self.id, worker).await?;

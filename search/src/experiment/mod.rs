@@ -78,17 +78,26 @@ impl Experiment {
         read::experiments(text, overrides)
     }
 
+    /// Reads an experiment file that must make one experiment.
+    ///
+    /// # Errors
+    /// Every problem found; a matrix is one.
+    pub fn parse_one(text: &str, overrides: &Overrides) -> Result<Experiment, Vec<Problem>> {
+        let mut experiments = Experiment::parse(text, overrides)?;
+        match (experiments.pop(), experiments.is_empty()) {
+            (Some(experiment), true) => Ok(experiment),
+            _ => {
+                Err(vec![Problem::new("matrix", "one experiment is wanted here, and a matrix makes several")])
+            }
+        }
+    }
+
     /// Reads the text that [`Experiment::resolved`] has given.
     ///
     /// # Errors
     /// The first problem; text of an older program may have some.
     pub fn parse_resolved(text: &str) -> Result<Experiment, Problem> {
-        let mut experiments =
-            Experiment::parse(text, &Overrides::default()).map_err(|problems| problems[0].clone())?;
-        match (experiments.pop(), experiments.is_empty()) {
-            (Some(experiment), true) => Ok(experiment),
-            _ => Err(Problem::new("matrix", "a resolved file has no matrix")),
-        }
+        Experiment::parse_one(text, &Overrides::default()).map_err(|problems| problems[0].clone())
     }
 
     /// The names of a file's profiles, for those who check them all.
@@ -155,9 +164,9 @@ impl Experiment {
         self.audit > 0.0 && place.stream(seed, "audit").chance(self.audit)
     }
 
-    /// What the system's interim measure is called in an outcome; see [`Culling::cutoff`].
-    pub fn interim_measure(&self) -> &'static str {
-        creatures::system(&self.system).map_or("fitness", |system| system.interim_measure(&self.task))
+    /// What the system's interim measure is called in an outcome of a task; see [`Culling::cutoff`].
+    pub fn interim_measure(&self, task: &Value) -> &'static str {
+        creatures::system(&self.system).map_or("fitness", |system| system.interim_measure(task))
     }
 
     /// The seed of a run, from 1: run i is an experiment of its own with `seed + i − 1`.
@@ -165,7 +174,12 @@ impl Experiment {
         self.seed + u64::from(run.max(1) - 1)
     }
 
-    /// The search of a run, from 1, at its beginning. It is the one stage of the run, stage 0.
+    /// The resolved task: of every stage that has none of its own ([`crate::Stage::task`]).
+    pub fn task(&self) -> &Value {
+        &self.task
+    }
+
+    /// The search of a run, from 1, at its beginning. Its stages count from 0.
     pub fn start(&self, run: u32) -> Box<dyn Search> {
         self.plan.start(self.seed_of(run), 0)
     }
@@ -178,20 +192,19 @@ impl Experiment {
         self.plan.restore(self.seed_of(run), 0, checkpoint)
     }
 
-    /// Generations of a run, when known beforehand.
+    /// Generations of a run, those of all its stages, when known beforehand.
     pub fn generations(&self) -> Option<u32> {
         Some(self.plan.generations())
     }
 
-    /// Individuals of a generation, when known beforehand.
+    /// Individuals of a generation, of the largest stage where they differ, when known beforehand.
     pub fn population(&self) -> Option<u32> {
         Some(self.plan.population())
     }
 
     /// Individuals in all runs, when known beforehand.
     pub fn planned(&self) -> Option<u64> {
-        let run = u64::from(self.plan.population()).checked_mul(u64::from(self.plan.generations()))?;
-        run.checked_mul(u64::from(self.runs))
+        self.plan.individuals().checked_mul(u64::from(self.runs))
     }
 }
 
