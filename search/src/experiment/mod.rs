@@ -15,6 +15,7 @@ pub use published::Published;
 use crate::checkpoint::RestoreError;
 use crate::culling::Culling;
 use crate::registry::Plan;
+use crate::syllabus::{AmendError, Difference};
 use crate::{Place, Search, registry};
 use serde::Serialize;
 use serde_json::Value;
@@ -41,6 +42,8 @@ pub struct Experiment {
     /// Share of evaluations that count only once two workers found the same bits (design: determinism).
     pub audit: f64,
     task: Value,
+    /// Whether the file says the task, and not the search.
+    says_task: bool,
     kind: &'static registry::Kind,
     plan: Arc<dyn Plan>,
     culling: Option<Culling>,
@@ -61,8 +64,11 @@ struct Resolved<'a> {
     audit: f64,
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     cell: &'a BTreeMap<String, Value>,
-    task: &'a Value,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    task: Option<&'a Value>,
     search: Value,
+    #[serde(flatten)]
+    lists: BTreeMap<&'static str, Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
     culling: Option<Culling>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
@@ -112,8 +118,9 @@ impl Experiment {
             runs: self.runs,
             audit: self.audit,
             cell: &self.cell,
-            task: &self.task,
+            task: self.says_task.then_some(&self.task),
             search: self.plan.table(),
+            lists: self.plan.lists().into_iter().collect(),
             culling: self.culling,
             published: &self.published,
         })
@@ -125,7 +132,8 @@ impl Experiment {
         *blake3::hash(self.resolved().as_bytes()).as_bytes()
     }
 
-    /// The resolved `[task]` table as the JSON text that travels to workers.
+    /// The resolved task as the JSON text that travels to workers; a stage may have another
+    /// ([`crate::Stage::task`]).
     pub fn task_json(&self) -> String {
         self.task.to_string()
     }
@@ -165,7 +173,7 @@ impl Experiment {
         self.seed + u64::from(run.max(1) - 1)
     }
 
-    /// The search of a run, from 1, at its beginning. It is the one stage of the run, stage 0.
+    /// The search of a run, from 1, at its beginning. Its first stage is stage 0 of the run.
     pub fn start(&self, run: u32) -> Box<dyn Search> {
         self.plan.start(self.seed_of(run), 0)
     }
@@ -178,20 +186,29 @@ impl Experiment {
         self.plan.restore(self.seed_of(run), 0, checkpoint)
     }
 
-    /// Generations of a run, when known beforehand.
+    /// What differs between this experiment and the one whose search wrote a checkpoint, if [`Experiment::restore`]
+    /// can go on from there with this one (ESP E-86); empty if nothing does.
+    ///
+    /// # Errors
+    /// A difference in what was evolved already, bytes that are no checkpoint, a kind of search that takes no
+    /// differences.
+    pub fn amend(&self, checkpoint: &[u8]) -> Result<Vec<Difference>, AmendError> {
+        self.plan.amend(checkpoint)
+    }
+
+    /// Generations of a run, those of all its stages, when known beforehand.
     pub fn generations(&self) -> Option<u32> {
         Some(self.plan.generations())
     }
 
-    /// Individuals of a generation, when known beforehand.
+    /// Individuals of a generation, of the largest stage where they differ, when known beforehand.
     pub fn population(&self) -> Option<u32> {
         Some(self.plan.population())
     }
 
     /// Individuals in all runs, when known beforehand.
     pub fn planned(&self) -> Option<u64> {
-        let run = u64::from(self.plan.population()).checked_mul(u64::from(self.plan.generations()))?;
-        run.checked_mul(u64::from(self.runs))
+        self.plan.individuals().checked_mul(u64::from(self.runs))
     }
 }
 
