@@ -30,9 +30,9 @@ fn an_unknown_kind_key_or_value_is_named_with_what_is_allowed() {
         (
             json!({ "kind": "locomotoin" }),
             "kind",
-            "\"locomotoin\" where the known ones are `locomotion`, `turn`",
+            "\"locomotoin\" is none; known are `locomotion`, `turn`",
         ),
-        (json!({ "seconds": 5.0 }), "kind", "none where the known ones"),
+        (json!({ "seconds": 5.0 }), "kind", "is missing; known are"),
         (json!("locomotion"), "", "not a table"),
         (
             json!({ "kind": "locomotion", "secs": 5.0 }),
