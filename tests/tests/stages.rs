@@ -254,6 +254,69 @@ fn without_a_usable_checkpoint_an_experiment_fails_with_a_word() {
     );
 }
 
+/// ESP E-86: the stages up to the fork are shared, and who goes on from there is picked anew.
+#[test]
+fn a_fork_shares_stages_and_picks_anew() {
+    let text = staged(42, 20, 2, 3, "human");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("staged.toml"), &text).expect("the folder is writable");
+    let pick = |experiment: &str, rank: usize| {
+        let choices = command::json(folder.path(), &["candidates", experiment]);
+        let picked = choices[0]["candidates"][rank - 1]["individual"].to_string();
+        command::succeed(folder.path(), &["pick", experiment, &picked]);
+    };
+    run(folder.path(), 5);
+    pick("1", 1);
+    run(folder.path(), 5);
+    let early = command::run(folder.path(), &["fork", "1", "--after", "s2"]);
+    assert_eq!(early.status.code(), Some(3), "s2 has not begun: {}", command::printed(&early));
+    pick("1", 2);
+    run(folder.path(), 0);
+
+    command::succeed(folder.path(), &["fork", "1", "--after", "s1"]);
+    run(folder.path(), 5);
+    pick("2", 3);
+    run(folder.path(), 0);
+    assert_eq!(command::hash(folder.path(), "1"), local::lineage_of_picks(&text, &[1, 2]));
+    assert_eq!(command::hash(folder.path(), "2"), local::lineage_of_picks(&text, &[1, 3]));
+    let own = "SELECT count(*) FROM v_individuals WHERE experiment = 2";
+    assert_eq!(command::count(folder.path(), own), 40, "what is shared is not copied");
+
+    // A fork of the fork, from a stage that the first one holds, all of whose picks are its own.
+    command::succeed(folder.path(), &["fork", "2", "--after", "s0"]);
+    for rank in [4, 5] {
+        run(folder.path(), 5);
+        pick("3", rank);
+    }
+    run(folder.path(), 0);
+    assert_eq!(command::hash(folder.path(), "3"), local::lineage_of_picks(&text, &[4, 5]));
+    let best = command::json(folder.path(), &["best", "3"])[0]["id"].to_string();
+    let line = command::succeed(folder.path(), &["lineage", &best, "--line", "--json"]);
+    assert_eq!(line.lines().count(), 3, "it leads back to a founder of the first: {line}");
+    let absent = command::run(folder.path(), &["fork", "1", "--after", "nowhere"]);
+    assert_eq!(absent.status.code(), Some(3));
+    assert!(command::printed(&absent).contains("`s0`, `s1`, `s2`"), "{}", command::printed(&absent));
+}
+
+/// ESP EF-11: a search that takes no differences says so, and nothing changes.
+#[test]
+fn a_changed_file_is_refused_where_it_changes_what_has_begun() {
+    let text = staged(43, 10, 1, 2, "human");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("staged.toml"), &text).expect("the folder is writable");
+    run(folder.path(), 5);
+    for (changed, word) in [
+        (text.replace("seed = 43", "seed = 44"), "seed is 44, was 43"),
+        (text.replace("work = 3", "work = 4"), "`probe`"),
+    ] {
+        std::fs::write(folder.path().join("changed.toml"), changed).expect("the folder is writable");
+        let refused = command::run(folder.path(), &["amend", "last", "changed.toml"]);
+        assert_eq!(refused.status.code(), Some(1), "{}", command::printed(&refused));
+        assert!(command::printed(&refused).contains(word), "{}", command::printed(&refused));
+        assert_eq!(command::json(folder.path(), &["status", "last"])["state"], "awaiting");
+    }
+}
+
 /// Changes a lineage by hand, which nothing of ours does.
 fn sql(db: &Path, statement: &str) {
     let (runtime, db) = (tokio::runtime::Runtime::new().expect("a runtime"), db.to_owned());

@@ -18,8 +18,8 @@ pub(super) async fn pick(arguments: Pick, output: Output) -> Result<(), Failure>
     }
     let then = match source {
         Source::File(_) => "it goes on when `hatchery run` is given its file again",
-        Source::Coordinator(_) if picked.state == "paused" => "it goes on when it is resumed",
-        Source::Coordinator(_) => "it goes on",
+        _ if picked.state == "paused" => "it goes on when it is resumed",
+        _ => "it goes on",
     };
     output
         .line(format!("experiment {} {}: individual {individual} is picked; {then}", picked.id, picked.name))

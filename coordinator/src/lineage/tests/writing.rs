@@ -318,7 +318,7 @@ async fn what_rests_on_the_word_of_a_liar_alone_is_taken_back_from_an_open_gener
     for individual in &mut next.individuals {
         individual.parents.clear();
     }
-    let ids = house.lineage.open_generation(next).await.unwrap();
+    let (_, ids) = house.lineage.open_generation(next).await.unwrap();
     let inherits = |heir, giver| Evaluated {
         ending: Ending::Inherits(giver),
         ruling: None,
