@@ -9,6 +9,3 @@ mod scope;
 
 pub use breeding::{Child, REDRAWS};
 pub use scope::Scope;
-
-#[cfg(test)]
-mod tests;

@@ -38,6 +38,3 @@ impl Body {
         reached
     }
 }
-
-#[cfg(test)]
-mod tests;
