@@ -9,3 +9,6 @@ mod scope;
 
 pub use breeding::{Child, REDRAWS};
 pub use scope::Scope;
+
+#[cfg(test)]
+mod tests;

@@ -11,7 +11,7 @@ use crate::random::Stream;
 use std::ops::RangeInclusive;
 
 /// Segment genes of a founder (E-42).
-const FOUNDER_SEGMENTS: RangeInclusive<usize> = 1..=6;
+pub(super) const FOUNDER_SEGMENTS: RangeInclusive<usize> = 1..=6;
 /// Strengths that are drawn; what is legal is above 0.
 pub(super) const STRENGTH: RangeInclusive<f64> = 0.01..=1.0;
 /// Muscles that a drawn joint brings, if it moves.

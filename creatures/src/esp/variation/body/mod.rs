@@ -38,3 +38,6 @@ impl Body {
         reached
     }
 }
+
+#[cfg(test)]
+mod tests;
