@@ -1,7 +1,7 @@
 # The habits of this house. `make` alone lists them.
 
 .DEFAULT_GOAL := help
-.PHONY: help format lint test doc run bench peers golden ci
+.PHONY: help format lint test doc run bench streams seeds fuzz peers golden ci
 
 PEERS := target/peers
 
@@ -27,6 +27,16 @@ run: ## Evolve the quick start: crawlers under gene regulatory networks
 bench: ## Measure engine, evaluation, dispatch and lineage, each against its peer in one run
 	cargo build --release --bins --workspace
 	for bench in engine evaluation dispatch lineage; do target/release/$$bench || exit 1; done
+
+streams: ## Attach up to 10,000 workers to one coordinator, and measure what each costs
+	cargo build --release --bins --workspace
+	target/release/streams
+
+seeds: ## Live 20,000 simulated lives of a fleet
+	HATCHERY_SEEDS=20000 cargo test -p hatchery-tests --test simulation whatever
+
+fuzz: ## Bring a million mutations to every decoder
+	HATCHERY_FUZZ_RUNS=1000000 cargo test -p hatchery-fuzz
 
 peers: $(PEERS)/installed ## Measure MuJoCo, a Python process pool and Ray under the same loads
 	$(PEERS)/bin/python benches/peers/mujoco_walkers.py

@@ -92,7 +92,7 @@ pub async fn make(path: &Path, size: Size) -> anyhow::Result<Made> {
                 let (ending, outcome) = live(individual, generation, &previous, &current);
                 let attempts =
                     if matches!(ending, Ending::Settled(_)) { vec![attempt(&outcome)] } else { Vec::new() };
-                evaluated.push(Evaluated { individual: id, ending, ruling: None, attempts });
+                evaluated.push(Evaluated { individual: id, ending, ruling: None, audit: None, attempts });
                 current.push((id, Some(outcome)));
             }
             let begun = Instant::now();

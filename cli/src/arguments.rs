@@ -25,8 +25,9 @@ Start here:
 
 An experiment ID is `last`, a number or a name; the name of a matrix stands for all its cells.
 Exit codes: 0 done, 1 failed, 2 usage or bad input, 3 not found, 4 coordinator unreachable, 130 interrupted.
-Environment: HATCHERY_COORDINATOR (URL), HATCHERY_DB (file), HATCHERY_LOG (error, warn, info, debug, trace,
-or per module as in `coordinator=debug`), NO_COLOR.";
+Environment: HATCHERY_JOIN (a client's join token), HATCHERY_JOIN_FILE (a file that holds one),
+HATCHERY_COORDINATOR (URL), HATCHERY_DB (file), HATCHERY_LOG (error, warn, info, debug, trace, or per module as
+in `coordinator=debug`), NO_COLOR.";
 
 /// One command.
 #[derive(Debug, Subcommand)]
@@ -84,23 +85,41 @@ pub(crate) enum Command {
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct Dial {
     /// The coordinator [env: HATCHERY_COORDINATOR] [default: http://127.0.0.1:7878]
-    #[arg(long, value_name = "URL")]
+    #[arg(long, value_name = "URL", conflicts_with_all = ["join", "join_file"])]
     pub(crate) coordinator: Option<String>,
+    /// How to join it.
+    #[command(flatten)]
+    pub(crate) join: Join,
+}
+
+/// The join token of a coordinator on a network.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct Join {
+    /// Ask the coordinator of the join token in this file [env: HATCHERY_JOIN_FILE]
+    #[arg(long, value_name = "FILE", conflicts_with = "join")]
+    pub(crate) join_file: Option<PathBuf>,
+    /// Ask the coordinator of this join token [env: HATCHERY_JOIN]; others on this machine see it in the list of
+    /// processes, so rather use the file or the environment
+    #[arg(long, value_name = "TOKEN")]
+    pub(crate) join: Option<String>,
 }
 
 /// Whom to ask: a coordinator, or a lineage file.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct Ask {
     /// Ask this coordinator [env: HATCHERY_COORDINATOR]
-    #[arg(long, value_name = "URL", conflicts_with = "db")]
+    #[arg(long, value_name = "URL", conflicts_with_all = ["db", "join", "join_file"])]
     pub(crate) coordinator: Option<String>,
+    /// How to join one.
+    #[command(flatten)]
+    pub(crate) join: Join,
     /// Read this lineage file [env: HATCHERY_DB] [default: hatchery.db in the current folder]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["join", "join_file"])]
     pub(crate) db: Option<PathBuf>,
 }
 
 const SOURCE_HELP: &str = "\
-Asks a coordinator (--coordinator, HATCHERY_COORDINATOR) or reads a lineage file (--db, HATCHERY_DB, else
+Asks a coordinator (--coordinator, --join-file; HATCHERY_JOIN, HATCHERY_COORDINATOR) or reads a lineage file (--db, HATCHERY_DB, else
 hatchery.db in the current folder), also while a run is writing it.";
 
 /// What changes an experiment file on its way in.
@@ -348,7 +367,7 @@ Examples:
   hatchery sql \"SELECT generation, best FROM v_generations WHERE run = 1\" --json
 
 The views are the documented interface: v_experiments v_stages v_generations v_individuals v_parents
-v_evaluations v_culls v_best v_ancestors v_species v_workers v_checkpoints. The connection can only read;
+v_evaluations v_culls v_best v_ancestors v_species v_workers v_checkpoints v_audits v_events. The connection can only read;
 a statement that would write, attach a file or run for ever is refused or stopped.";
 
 /// `hatchery export`.
@@ -373,7 +392,7 @@ pub(crate) struct Export {
 }
 
 /// The documented views of the lineage.
-const VIEWS: [&str; 12] = [
+const VIEWS: [&str; 14] = [
     "v_experiments",
     "v_stages",
     "v_generations",
@@ -386,6 +405,8 @@ const VIEWS: [&str; 12] = [
     "v_species",
     "v_workers",
     "v_checkpoints",
+    "v_audits",
+    "v_events",
 ];
 
 const EXPORT_HELP: &str = "\

@@ -4,18 +4,20 @@
 mod file;
 mod rows;
 
+use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use proto::MESSAGE_SIZE_MAX;
+use proto::dial::{Address, DialError, Line};
+use proto::join::{Kind, Token, TokenError};
 use proto::v1::experiments_client::ExperimentsClient;
 use proto::v1::fleet_client::FleetClient;
 use proto::v1::lineage_client::LineageClient;
-use tonic::transport::{Channel, Endpoint};
 
 pub(crate) use rows::{Cells, Rows};
 
-use crate::arguments::{Ask, Dial};
+use crate::arguments::{Ask, Dial, Join};
 use crate::exit::Failure;
 
 /// Where a coordinator listens unless told otherwise.
@@ -32,47 +34,78 @@ pub(crate) const PATIENT: Duration = Duration::from_secs(600);
 /// Whom to talk to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Source {
-    /// A coordinator's URL.
+    /// A coordinator without credentials, by its URL.
     Coordinator(String),
+    /// A coordinator behind TLS.
+    Join(Token),
     /// A lineage file.
     File(PathBuf),
 }
 
 impl Source {
     /// Flag over environment over default: the file in the current folder if there is one, else the
-    /// coordinator on this machine.
-    pub(crate) fn of(ask: &Ask) -> Source {
+    /// coordinator on this machine. In the environment a token goes over a URL, and that over a file.
+    pub(crate) fn of(ask: &Ask) -> Result<Source, Failure> {
         Source::choose(ask, &|name| std::env::var(name).ok(), Path::new(DB_DEFAULT).exists())
     }
 
-    fn choose(ask: &Ask, environment: &dyn Fn(&str) -> Option<String>, here: bool) -> Source {
+    fn choose(
+        ask: &Ask,
+        environment: &dyn Fn(&str) -> Option<String>,
+        here: bool,
+    ) -> Result<Source, Failure> {
         let set = |name| environment(name).filter(|value| !value.is_empty());
-        match (&ask.coordinator, &ask.db) {
-            (Some(url), _) => Source::Coordinator(url.clone()),
-            (None, Some(file)) => Source::File(file.clone()),
-            (None, None) => match (set("HATCHERY_COORDINATOR"), set("HATCHERY_DB")) {
-                (Some(url), _) => Source::Coordinator(url),
-                (None, Some(file)) => Source::File(file.into()),
-                (None, None) if here => Source::File(DB_DEFAULT.into()),
-                (None, None) => Source::Coordinator(COORDINATOR_DEFAULT.to_owned()),
-            },
+        let Join { join, join_file } = &ask.join;
+        match (&ask.coordinator, join_file, join, &ask.db) {
+            (Some(url), ..) => return Ok(Source::Coordinator(url.clone())),
+            (_, Some(file), ..) => return joined(Token::read(file)),
+            (_, _, Some(token), _) => return joined(token.parse()),
+            (.., Some(file)) => return Ok(Source::File(file.clone())),
+            (None, None, None, None) => {}
         }
+        if let Some(token) = set("HATCHERY_JOIN") {
+            return joined(token.parse());
+        }
+        if let Some(file) = set("HATCHERY_JOIN_FILE") {
+            return joined(Token::read(file.as_ref()));
+        }
+        Ok(match (set("HATCHERY_COORDINATOR"), set("HATCHERY_DB")) {
+            (Some(url), _) => Source::Coordinator(url),
+            (None, Some(file)) => Source::File(file.into()),
+            (None, None) if here => Source::File(DB_DEFAULT.into()),
+            (None, None) => Source::Coordinator(COORDINATOR_DEFAULT.to_owned()),
+        })
     }
 
     /// The coordinator of a command that a file cannot answer.
-    pub(crate) fn coordinator(dial: &Dial) -> Source {
+    pub(crate) fn coordinator(dial: &Dial) -> Result<Source, Failure> {
         Source::choose(
-            &Ask { coordinator: dial.coordinator.clone(), db: None },
-            &|name| std::env::var(name).ok().filter(|_| name == "HATCHERY_COORDINATOR"),
+            &Ask { coordinator: dial.coordinator.clone(), join: dial.join.clone(), db: None },
+            &|name| std::env::var(name).ok().filter(|_| name != "HATCHERY_DB"),
             false,
         )
+    }
+}
+
+/// The coordinator of a token, which must be a client's.
+fn joined(token: Result<Token, TokenError>) -> Result<Source, Failure> {
+    let token = token.map_err(|error| {
+        let cause = error.source().map(|cause| format!(": {cause}")).unwrap_or_default();
+        Failure::Usage(format!("{error}{cause}"))
+    })?;
+    match token.pass.kind {
+        Kind::Client => Ok(Source::Join(token)),
+        Kind::Worker => Err(Failure::Usage(
+            "that is a worker's join token: a client takes one of `hatchery-coordinator tokens new client`"
+                .to_owned(),
+        )),
     }
 }
 
 /// An open connection.
 #[derive(Debug, Clone)]
 pub(crate) struct Connection {
-    channel: Channel,
+    channel: Line,
 }
 
 impl Connection {
@@ -82,62 +115,60 @@ impl Connection {
     /// A URL that is none, a coordinator that does not answer, a file that is not there or no lineage.
     pub(crate) async fn open(source: &Source) -> Result<Connection, Failure> {
         let channel = match source {
-            Source::Coordinator(url) => dial(url).await?,
+            Source::Coordinator(url) => dial(address(url)?).await?,
+            Source::Join(token) => dial(Address::of(token)).await?,
             Source::File(path) => file::serve(path).await?,
         };
         Ok(Connection { channel })
     }
 
     /// The client of the `Experiments` service.
-    pub(crate) fn experiments(&self) -> ExperimentsClient<Channel> {
+    pub(crate) fn experiments(&self) -> ExperimentsClient<Line> {
         ExperimentsClient::new(self.channel.clone())
             .max_decoding_message_size(MESSAGE_SIZE_MAX)
             .max_encoding_message_size(MESSAGE_SIZE_MAX)
     }
 
     /// The client of the `Lineage` service.
-    pub(crate) fn lineage(&self) -> LineageClient<Channel> {
+    pub(crate) fn lineage(&self) -> LineageClient<Line> {
         LineageClient::new(self.channel.clone()).max_decoding_message_size(MESSAGE_SIZE_MAX)
     }
 
     /// The client of the `Fleet` service.
-    pub(crate) fn fleet(&self) -> FleetClient<Channel> {
+    pub(crate) fn fleet(&self) -> FleetClient<Line> {
         FleetClient::new(self.channel.clone()).max_decoding_message_size(MESSAGE_SIZE_MAX)
     }
 }
 
-async fn dial(url: &str) -> Result<Channel, Failure> {
-    let endpoint = endpoint(url)?;
-    endpoint.connect().await.map_err(|error| {
-        let mut text = format!("no coordinator answers at {url}");
-        if let Some(cause) = innermost(&error) {
-            text.push_str(&format!(" ({cause})"));
+async fn dial(address: Address) -> Result<Line, Failure> {
+    let address = address.with(|endpoint| endpoint.connect_timeout(CONNECT_TIMEOUT));
+    address.connect().await.map_err(|error| match error {
+        DialError::Stranger { .. } | DialError::Plain { .. } | DialError::Tls { .. } => {
+            Failure::Usage(error.to_string())
         }
-        if url == COORDINATOR_DEFAULT {
-            text.push_str(
-                ": name one with --coordinator URL or HATCHERY_COORDINATOR, or start one with hatchery-coordinator",
-            );
+        DialError::Silent { .. } => {
+            let mut text = error.to_string();
+            if let Some(cause) = innermost(&error) {
+                text.push_str(&format!(" ({cause})"));
+            }
+            if text.contains(COORDINATOR_DEFAULT) {
+                text.push_str(
+                    ": name one with --coordinator URL, HATCHERY_COORDINATOR or HATCHERY_JOIN, or start one with \
+                     hatchery-coordinator",
+                );
+            }
+            Failure::Unreachable(text)
         }
-        Failure::Unreachable(text)
     })
 }
 
-fn endpoint(url: &str) -> Result<Endpoint, Failure> {
-    let wrong =
-        |why: &str| Failure::Usage(format!("coordinator `{url}`: {why}, as in {COORDINATOR_DEFAULT}"));
-    let whole = match url.split_once("://") {
-        Some(("http", _)) => url.to_owned(),
-        Some(_) => return Err(wrong("this release speaks http alone")),
-        None => format!("http://{url}"),
-    };
-    let endpoint = Endpoint::from_shared(whole).map_err(|_| wrong("expected a URL"))?;
-    if endpoint.uri().port().is_none() {
-        return Err(wrong("the port is missing"));
-    }
-    Ok(endpoint.connect_timeout(CONNECT_TIMEOUT).tcp_nodelay(true).max_frame_size(Some(128 << 10)))
+/// A coordinator's address; `http://` may be left out.
+fn address(url: &str) -> Result<Address, Failure> {
+    let whole = if url.contains("://") { url.to_owned() } else { format!("http://{url}") };
+    Address::plain(&whole).map_err(|error| Failure::Usage(format!("{error}, as in {COORDINATOR_DEFAULT}")))
 }
 
-fn innermost(error: &dyn std::error::Error) -> Option<String> {
+fn innermost(error: &dyn Error) -> Option<String> {
     let mut cause = error.source()?;
     while let Some(deeper) = cause.source() {
         cause = deeper;
@@ -155,12 +186,40 @@ pub(crate) fn within<T>(deadline: Duration, message: T) -> tonic::Request<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proto::join::{KEY_SIZE, Pass, SECRET_SIZE, TokenId};
 
     fn chosen(coordinator: Option<&str>, db: Option<&str>, set: &[(&str, &str)], here: bool) -> Source {
-        let ask = Ask { coordinator: coordinator.map(str::to_owned), db: db.map(PathBuf::from) };
+        let ask = Ask {
+            coordinator: coordinator.map(str::to_owned),
+            db: db.map(PathBuf::from),
+            join: Join::default(),
+        };
         let environment =
             |name: &str| set.iter().find(|(known, _)| *known == name).map(|(_, value)| (*value).to_owned());
-        Source::choose(&ask, &environment, here)
+        Source::choose(&ask, &environment, here).unwrap()
+    }
+
+    fn token(kind: Kind) -> Token {
+        let pass = Pass { kind, id: TokenId(1), secret: [1; SECRET_SIZE], authority: [4; KEY_SIZE] };
+        Token { address: "head:1".to_owned(), pass }
+    }
+
+    #[test]
+    fn a_token_goes_over_a_url_of_the_environment_and_under_any_flag() {
+        let text = token(Kind::Client).to_string();
+        let set = [("HATCHERY_JOIN", &*text), ("HATCHERY_COORDINATOR", "http://env:1")];
+        assert_eq!(chosen(None, None, &set, true), Source::Join(token(Kind::Client)));
+        assert_eq!(chosen(None, Some("flag.db"), &set, true), Source::File("flag.db".into()));
+        let of = |join: String| {
+            Source::choose(
+                &Ask { join: Join { join: Some(join), join_file: None }, ..Ask::default() },
+                &|_| None,
+                true,
+            )
+        };
+        assert_eq!(of(text).unwrap(), Source::Join(token(Kind::Client)));
+        let failure = of(token(Kind::Worker).to_string()).unwrap_err();
+        assert!(failure.to_string().contains("tokens new client") && failure.exit() as u8 == 2, "{failure}");
     }
 
     #[test]
@@ -177,13 +236,13 @@ mod tests {
 
     #[test]
     fn a_coordinator_is_a_url_with_a_port_and_http_may_be_left_out() {
-        assert_eq!(endpoint("head:7878").unwrap().uri(), "http://head:7878/");
+        assert_eq!(address("head:7878").unwrap().uri(), "http://head:7878/");
         for (url, why) in [
-            ("https://head:7878", "http alone"),
-            ("http://head", "port is missing"),
-            ("http://he ad:1", "expected a URL"),
+            ("https://head:7878", "a join token is needed"),
+            ("http://head", "http://host:port"),
+            ("http://he ad:1", "http://host:port"),
         ] {
-            let failure = endpoint(url).unwrap_err();
+            let failure = address(url).unwrap_err();
             assert!(failure.to_string().contains(why), "{failure}");
             assert_eq!(failure.exit() as u8, 2);
         }

@@ -120,7 +120,7 @@ impl From<tonic::Status> for Failure {
             }
             Code::Unavailable => Failure::Unreachable(text),
             Code::DeadlineExceeded => Failure::Unreachable(format!("no answer in time: {text}")),
-            Code::InvalidArgument | Code::PermissionDenied => Failure::Usage(text),
+            Code::InvalidArgument | Code::PermissionDenied | Code::Unauthenticated => Failure::Usage(text),
             Code::NotFound => Failure::NotFound(text),
             Code::Unimplemented => Failure::Failed(anyhow::anyhow!(
                 "{text}: the other side does not know this call; it may be of another release"
@@ -145,6 +145,7 @@ mod tests {
         let table = [
             (Code::InvalidArgument, 2),
             (Code::PermissionDenied, 2),
+            (Code::Unauthenticated, 2),
             (Code::NotFound, 3),
             (Code::Unavailable, 4),
             (Code::DeadlineExceeded, 4),

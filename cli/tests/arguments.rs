@@ -9,7 +9,8 @@ use tempfile::TempDir;
 fn hatchery(folder: &TempDir) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_hatchery"));
     command.current_dir(folder.path());
-    for name in ["HATCHERY_COORDINATOR", "HATCHERY_DB", "HATCHERY_LOG"] {
+    for name in ["HATCHERY_JOIN", "HATCHERY_JOIN_FILE", "HATCHERY_COORDINATOR", "HATCHERY_DB", "HATCHERY_LOG"]
+    {
         command.env_remove(name);
     }
     command

@@ -28,7 +28,15 @@ fn rate(workers: u32, queues: usize) -> f64 {
         .map(|number| {
             let name = format!("worker-{number}");
             let (host, version) = ("here".to_owned(), "1".to_owned());
-            let hello = Hello { name, host, version, slots: 2, window: 128, holding: vec![] };
+            let hello = Hello {
+                name,
+                host,
+                version,
+                slots: 2,
+                window: 128,
+                holding: vec![],
+                labels: Default::default(),
+            };
             scheduler.attach(hello, Millis(0)).expect("names differ")
         })
         .collect();
@@ -55,6 +63,8 @@ fn rate(workers: u32, queues: usize) -> f64 {
                 genotype: genotype.clone(),
                 seed: index,
                 cull: None,
+                audit: false,
+                attempts_before: 0,
             });
             scheduler.submit(*queue, evaluations.collect());
         }
@@ -72,6 +82,7 @@ fn rate(workers: u32, queues: usize) -> f64 {
                     }
                     Order::Deliver { settled, .. } => settled_count += settled.len(),
                     Order::Dismiss { .. } => unreachable!("nobody is silent"),
+                    Order::Quarantine(_) => unreachable!("nothing is audited"),
                 }
             }
             // Heartbeats come in between.

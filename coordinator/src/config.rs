@@ -12,12 +12,16 @@ pub struct Config {
     /// The address to listen on; port 0 takes a free one
     #[arg(long, value_name = "ADDR", default_value_t = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 7878), env = "HATCHERY_LISTEN")]
     pub listen: SocketAddr,
-    /// Listen beyond this machine although nothing is encrypted and anybody who reaches the port may submit
-    #[arg(long)]
-    pub allow_insecure: bool,
+    /// The folder that `hatchery-coordinator init` made: serve over TLS, and let in who has a token of it. Without
+    /// it only this machine is listened to
+    #[arg(long, value_name = "DIR", env = "HATCHERY_CREDENTIALS")]
+    pub credentials: Option<PathBuf>,
     /// Write the address listened on to a file once it is open, for scripts that use port 0
     #[arg(long, value_name = "FILE")]
     pub address_file: Option<PathBuf>,
+    /// Answer GET /metrics with Prometheus text on this address; anybody who reaches it can read it
+    #[arg(long, value_name = "ADDR", env = "HATCHERY_METRICS")]
+    pub metrics: Option<SocketAddr>,
     /// How often a worker has to show that it is alive, milliseconds
     #[arg(long, value_name = "MS", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(10..=60_000))]
     pub heartbeat_ms: u32,
@@ -32,8 +36,9 @@ impl Config {
         Config {
             db,
             listen: SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 0),
-            allow_insecure: false,
+            credentials: None,
             address_file: None,
+            metrics: None,
             heartbeat_ms: 1000,
             timeout_ms: 5000,
         }

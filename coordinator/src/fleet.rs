@@ -1,13 +1,17 @@
 //! The fleet: runs the scheduler in one loop that owns it, and gives handles to those who submit evaluations
 //! and to those who hold a worker's stream. It decides nothing that the scheduler decides.
 
+mod counts;
+mod obstacle;
 mod rounds;
 mod session;
 
 pub use crate::lineage::{Attempt, Fate, Joined, Ruling, SetAside};
 pub use crate::scheduler::{
-    Conflict, Evaluation, Millis, Settled, Summary, TaskText, WorkerInfo, WorkerState,
+    Conflict, Evaluation, Millis, Quarantine, Settled, Summary, TaskText, WorkerInfo, WorkerState,
 };
+pub(crate) use counts::Counts;
+pub(crate) use obstacle::Refused;
 pub(crate) use session::{Attachment, Mouth};
 
 use crate::scheduler::{AttemptId, Hello, Loss, QueueId, Report, WorkerId};
@@ -30,6 +34,8 @@ pub struct FleetSettings {
     pub fingerprint: [u8; 32],
     /// The lineage's identity: reports that workers hold for another one are void.
     pub lineage: [u8; 16],
+    /// Names of workers that are trusted no more, from before.
+    pub quarantined: Vec<String>,
 }
 
 /// A worker came or went.
@@ -44,6 +50,8 @@ pub enum Change {
         /// Why.
         reason: &'static str,
     },
+    /// It is trusted no more.
+    Quarantined(Quarantine),
 }
 
 /// An evaluation that runs for longer ends its worker's attachment: heartbeats do not show that it hangs.
@@ -61,6 +69,9 @@ pub struct Fleet {
     events: mpsc::Sender<Event>,
     summary: watch::Receiver<Summary>,
     changes: broadcast::Sender<Change>,
+    counts: Counts,
+    /// The last worker that was turned away, until one is let in.
+    refused: watch::Sender<Option<Refused>>,
 }
 
 impl Fleet {
@@ -71,9 +82,12 @@ impl Fleet {
         let (events, inbox) = mpsc::channel(EVENTS_MAX);
         let (summary_sender, summary) = watch::channel(Summary::default());
         let changes = broadcast::Sender::new(CHANGES_MAX);
-        let rounds = rounds::Rounds::new(settings.clone(), clock, summary_sender, changes.clone());
+        let counts = Counts::default();
+        let rounds =
+            rounds::Rounds::new(settings.clone(), clock, summary_sender, changes.clone(), counts.clone());
         tokio::spawn(rounds.run(inbox));
-        Fleet { settings, clock, events, summary, changes }
+        let refused = watch::Sender::new(None);
+        Fleet { settings, clock, events, summary, changes, counts, refused }
     }
 
     /// Opens a queue: where to put evaluations, and where they come out. The label names it in the log.
@@ -85,7 +99,7 @@ impl Fleet {
         // After the goodbye there are no queues: the output of this one has ended.
         let id = id.await.unwrap_or(QueueId(0));
         let control = QueueControl { id, events: self.events.clone() };
-        (Queue { control }, QueueOutput { deliveries, conflicts: Vec::new() })
+        (Queue { control }, QueueOutput { deliveries, conflicts: Vec::new(), quarantined: Vec::new() })
     }
 
     /// The fleet in numbers, as of late.
@@ -119,6 +133,31 @@ impl Fleet {
         let _ = said.await;
     }
 
+    /// Why nothing can be handed out at present; empty if it can.
+    pub fn obstacle(&self) -> String {
+        obstacle::words(&self.summary.borrow(), self.refused.borrow().as_ref())
+    }
+
+    /// What somebody who looks at the workers should know beside them.
+    pub fn notes(&self) -> Vec<String> {
+        obstacle::notes(&self.summary.borrow(), self.refused.borrow().as_ref())
+    }
+
+    pub(crate) fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// A worker was turned away at the door.
+    pub(crate) fn turned_away(&self, name: &str, host: &str, refusal: &Refusal) {
+        self.counts.refused(refusal);
+        tracing::warn!(worker = name, host, "worker refused: {refusal}");
+        self.refused.send_replace(Some(Refused {
+            name: name.to_owned(),
+            host: host.to_owned(),
+            reason: refusal.to_string(),
+        }));
+    }
+
     pub(crate) fn settings(&self) -> &FleetSettings {
         &self.settings
     }
@@ -139,7 +178,10 @@ impl Fleet {
         self.tell(Event::Attach { hello, fingerprint, session, reply }).await;
         let attached = answer.await.ok()?;
         Some(match attached {
-            Ok(worker) => Ok(Attachment { worker, messages, closed, events: self.events.clone() }),
+            Ok(worker) => {
+                self.refused.send_replace(None);
+                Ok(Attachment { worker, messages, closed, events: self.events.clone() })
+            }
             Err(taken) => Err(Refusal::NameTaken { name: taken.0 }),
         })
     }
@@ -206,19 +248,23 @@ impl QueueControl {
 pub struct QueueOutput {
     deliveries: mpsc::UnboundedReceiver<Delivery>,
     conflicts: Vec<Conflict>,
+    quarantined: Vec<Quarantine>,
 }
 
 impl QueueOutput {
-    /// What was settled since, in that order: whatever is ready, at least one unless there was a conflict.
+    /// What was settled since, in that order: whatever is ready, at least one unless there was a conflict or a
+    /// quarantine.
     /// `None`: the queue was cancelled, or the fleet has said goodbye.
     ///
     /// Dropping the future loses nothing.
     pub async fn next(&mut self) -> Option<Vec<Settled>> {
-        let Delivery { mut settled, conflicts } = self.deliveries.recv().await?;
+        let Delivery { mut settled, conflicts, quarantined } = self.deliveries.recv().await?;
         self.conflicts.extend(conflicts);
+        self.quarantined.extend(quarantined);
         while let Ok(more) = self.deliveries.try_recv() {
             settled.extend(more.settled);
             self.conflicts.extend(more.conflicts);
+            self.quarantined.extend(more.quarantined);
         }
         Some(settled)
     }
@@ -227,12 +273,19 @@ impl QueueOutput {
     pub fn take_conflicts(&mut self) -> Vec<Conflict> {
         std::mem::take(&mut self.conflicts)
     }
+
+    /// Workers that are trusted no more, of which [`QueueOutput::next`] has learnt: what they delivered and no audit
+    /// has confirmed is in doubt, that of the same call included.
+    pub fn take_quarantined(&mut self) -> Vec<Quarantine> {
+        std::mem::take(&mut self.quarantined)
+    }
 }
 
 #[derive(Debug)]
 struct Delivery {
     settled: Vec<Settled>,
     conflicts: Vec<Conflict>,
+    quarantined: Vec<Quarantine>,
 }
 
 /// What the loop is told.

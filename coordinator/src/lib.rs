@@ -5,13 +5,17 @@
 //! service/   parse, call, render            driver/     the order of effects: search ↔ lineage ↔ fleet
 //! fleet      the task that runs ─────────►  scheduler/  who evaluates what until when: no I/O, no clock
 //! lineage/   the one writer and the readers of the database
+//! metrics/   what it does, as Prometheus text
 //! server     puts it all together           config      what it is told when it starts
+//! credentials/  TLS, join tokens, and the door before the services
 //! ```
 
 pub mod config;
+pub mod credentials;
 pub mod driver;
 pub mod fleet;
 pub mod lineage;
+mod metrics;
 pub mod scheduler;
 mod server;
 pub mod service;

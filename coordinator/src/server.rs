@@ -3,16 +3,20 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
+use creatures::Outcome;
+use proto::dial::FRAME_SIZE_MAX;
+use serde_json::json;
 use tokio::net::TcpListener;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{broadcast, oneshot};
-use tokio::task::JoinHandle;
+use tokio::task::{JoinHandle, JoinSet};
 use tonic::transport::Server;
 use tonic::transport::server::TcpIncoming;
 
+use crate::credentials::{Credentials, FolderError, Guard};
 use crate::driver::{Driver, ResumeError};
-use crate::fleet::{Change, Fleet, FleetSettings};
-use crate::lineage::{Lineage, OpenError};
+use crate::fleet::{Change, Fleet, FleetSettings, Quarantine, SetAside};
+use crate::lineage::{Event, Lineage, OpenError};
 use crate::service::experiments::ExperimentsService;
 use crate::service::lineage::LineageService;
 use crate::{Config, service};
@@ -22,10 +26,13 @@ use crate::{Config, service};
 pub enum StartError {
     /// Anybody could reach it.
     #[error(
-        "{0} can be reached from other machines, and connections are not encrypted: listen on a loopback address, \
-         or say --allow-insecure on a private network"
+        "{0} can be reached from other machines: make credentials with `hatchery-coordinator init` and name them with \
+         --credentials DIR, or listen on a loopback address"
     )]
     Insecure(SocketAddr),
+    /// The credentials cannot be used.
+    #[error("cannot use the credentials")]
+    Credentials(#[from] FolderError),
     /// The lineage cannot be used.
     #[error(transparent)]
     Lineage(#[from] OpenError),
@@ -58,8 +65,11 @@ pub enum StartError {
 /// A coordinator at work. Dropping it stops the server without a goodbye, as a kill would.
 pub struct Running {
     address: SocketAddr,
+    metrics: Option<SocketAddr>,
     stop: oneshot::Sender<()>,
     server: JoinHandle<Result<(), tonic::transport::Error>>,
+    /// Ends when this is dropped.
+    scrapes: JoinSet<()>,
     driver: Driver,
     fleet: Fleet,
     lineage: Lineage,
@@ -70,9 +80,10 @@ pub struct Running {
 /// # Errors
 /// An address beyond this machine, a lineage that cannot be opened, an address that is taken.
 pub async fn start(config: Config) -> Result<Running, StartError> {
-    if !config.listen.ip().is_loopback() && !config.allow_insecure {
+    if !config.listen.ip().is_loopback() && config.credentials.is_none() {
         return Err(StartError::Insecure(config.listen));
     }
+    let credentials = config.credentials.as_deref().map(Credentials::open).transpose()?;
     let lineage = Lineage::open(&config.db).await?;
     let listen_error = |source| StartError::Listen { address: config.listen, source };
     let listener = TcpListener::bind(config.listen).await.map_err(listen_error)?;
@@ -86,9 +97,19 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         fingerprint,
         lineage: lineage.identity(),
+        quarantined: lineage.reader().quarantined().await.map_err(ResumeError::Read)?,
     });
     tokio::spawn(note_workers(fleet.changes(), lineage.clone()));
     let driver = Driver::start(lineage.clone(), fleet.clone(), fingerprint).await?;
+
+    let mut scrapes = JoinSet::new();
+    let mut metrics = None;
+    if let Some(address) = config.metrics {
+        let refused = |source| StartError::Listen { address, source };
+        let listener = TcpListener::bind(address).await.map_err(refused)?;
+        metrics = Some(listener.local_addr().map_err(refused)?);
+        scrapes.spawn(crate::metrics::serve(listener, driver.clone(), config.db.clone()));
+    }
 
     let (health, health_service) = tonic_health::server::health_reporter();
     health.set_service_status("", tonic_health::ServingStatus::Serving).await;
@@ -101,8 +122,14 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
         .build_v1()
         .expect("the descriptors are those that the build compiled");
     let (stop, stopped) = oneshot::channel::<()>();
-    let router = Server::builder()
-        .max_frame_size(Some(128 << 10))
+    let (tls, keyring) = credentials.map(|Credentials { tls, keyring }| (tls, keyring)).unzip();
+    let mut server = Server::builder();
+    if let Some(tls) = tls {
+        server = server.tls_config(tls)?;
+    }
+    let router = server
+        .layer(Guard(keyring))
+        .max_frame_size(Some(FRAME_SIZE_MAX))
         .http2_keepalive_interval(Some(Duration::from_secs(5)))
         .http2_keepalive_timeout(Some(Duration::from_secs(10)))
         .add_service(health_service)
@@ -120,14 +147,21 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
         write_whole(path, &address.to_string())
             .map_err(|source| StartError::AddressFile { path: path.clone(), source })?;
     }
-    tracing::info!(%address, db = %config.db.display(), "listening");
-    Ok(Running { address, stop, server, driver, fleet, lineage })
+    let credentials = config.credentials.as_deref().map(|folder| folder.display().to_string());
+    let scraped = metrics.map(|address| address.to_string());
+    tracing::info!(%address, db = %config.db.display(), metrics = scraped, credentials, "listening");
+    Ok(Running { address, metrics, stop, server, scrapes, driver, fleet, lineage })
 }
 
 impl Running {
     /// The address listened on.
     pub fn address(&self) -> SocketAddr {
         self.address
+    }
+
+    /// Where metrics are read, if that was asked for.
+    pub fn metrics(&self) -> Option<SocketAddr> {
+        self.metrics
     }
 
     /// The experiments, for those who embed a coordinator.
@@ -137,7 +171,8 @@ impl Running {
 
     /// Stops handing out, commits what has arrived, says goodbye to the workers, closes the lineage.
     /// Experiments stay `running` in it and are taken up at the next start.
-    pub async fn shutdown(self) {
+    pub async fn shutdown(mut self) {
+        self.scrapes.shutdown().await;
         self.driver.stop().await;
         self.fleet.goodbye().await;
         let _ = self.stop.send(());
@@ -168,6 +203,13 @@ async fn note_workers(mut changes: broadcast::Receiver<Change>, lineage: Lineage
                 tracing::info!(worker = name, reason, "worker left");
                 lineage.worker_left(name, reason.to_owned()).await
             }
+            Ok(Change::Quarantined(verdict)) => {
+                let event = denunciation(&verdict);
+                match lineage.worker_quarantined(verdict.worker).await {
+                    Ok(()) => lineage.event(event).await,
+                    Err(closed) => Err(closed),
+                }
+            }
             Err(RecvError::Lagged(missed)) => {
                 tracing::warn!(missed, "comings and goings of workers were not written down");
                 Ok(())
@@ -177,6 +219,35 @@ async fn note_workers(mut changes: broadcast::Receiver<Change>, lineage: Lineage
         if written.is_err() {
             return; // The lineage is closed; so will be the fleet.
         }
+    }
+}
+
+/// A quarantine as an event of the service.
+fn denunciation(verdict: &Quarantine) -> Event {
+    let side = |found: &Result<Outcome, SetAside>| match found {
+        Ok(outcome) => json!({
+            "fitness": outcome.fitness,
+            "fitness_bits": format!("{:016x}", outcome.fitness.to_bits()),
+            "steps": outcome.steps,
+        }),
+        Err(aside) => json!({ "failed": aside.reason }),
+    };
+    Event {
+        experiment: None,
+        kind: "quarantine".to_owned(),
+        text: format!(
+            "worker `{}` found other bits than `{}` for evaluation {}, and is trusted no more",
+            verdict.worker,
+            verdict.witnesses.join("` and `"),
+            verdict.evaluation
+        ),
+        data: json!({
+            "worker": verdict.worker,
+            "evaluation": verdict.evaluation,
+            "found": side(&verdict.found),
+            "against": side(&verdict.against),
+            "witnesses": verdict.witnesses,
+        }),
     }
 }
 

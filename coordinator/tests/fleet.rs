@@ -41,6 +41,7 @@ async fn serve(heartbeat_ms: u32, timeout_ms: u32) -> Service {
         version: "1.2.3".to_owned(),
         fingerprint: FINGERPRINT,
         lineage: LINEAGE,
+        quarantined: vec![],
     });
     let listener = TcpListener::bind(SocketAddr::from(([127, 0, 0, 1], 0))).await.unwrap();
     let address = listener.local_addr().unwrap();
@@ -68,6 +69,7 @@ fn hello(name: &str, slots: u32, window: u32) -> v1::Hello {
         window,
         lineage: Bytes::new(),
         holding: vec![],
+        labels: Default::default(),
     }
 }
 
@@ -155,6 +157,8 @@ fn evaluations(ids: std::ops::Range<u64>) -> Vec<Evaluation> {
         genotype: Bytes::from(vec![id as u8; 4]),
         seed: id,
         cull: None,
+        audit: false,
+        attempts_before: 0,
     };
     ids.map(one).collect()
 }

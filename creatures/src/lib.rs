@@ -21,8 +21,8 @@ pub use observer::{Nobody, Observer};
 pub use outcome::{Cull, Interim, Outcome, Reason, Status, Verdict};
 
 /// Every published system, by name.
-pub fn systems() -> [&'static dyn System; 4] {
-    [&probe::Probe, &walker::Walker, &flyer::Flyer, &fish::Fish]
+pub fn systems() -> [&'static dyn System; 5] {
+    [&probe::Probe, &walker::Walker, &flyer::Flyer, &fish::Fish, &esp::Esp]
 }
 
 /// The system of a name.

@@ -25,11 +25,24 @@ pub enum Reason {
     BlowUp,
     /// Parts of the body pass through each other before it moves at all (flyer F-23, X-9).
     SelfIntersecting,
+    /// A joint has come apart (ESP E-23).
+    JointSeparation,
+    /// A part has sunk into the ground (ESP E-23).
+    Sinking,
+    /// There is more energy than the muscles gave (ESP E-23).
+    EnergyFromNothing,
 }
 
 impl Reason {
     /// Every reason, for those who list them.
-    pub const ALL: [Reason; 3] = [Reason::NonFinite, Reason::BlowUp, Reason::SelfIntersecting];
+    pub const ALL: [Reason; 6] = [
+        Reason::NonFinite,
+        Reason::BlowUp,
+        Reason::SelfIntersecting,
+        Reason::JointSeparation,
+        Reason::Sinking,
+        Reason::EnergyFromNothing,
+    ];
 
     /// The word used in the lineage: `aborted:WORD`.
     pub fn word(self) -> &'static str {
@@ -37,6 +50,9 @@ impl Reason {
             Reason::NonFinite => "non_finite",
             Reason::BlowUp => "blow_up",
             Reason::SelfIntersecting => "self_intersecting",
+            Reason::JointSeparation => "joint_separation",
+            Reason::Sinking => "sinking",
+            Reason::EnergyFromNothing => "energy_from_nothing",
         }
     }
 }

@@ -122,6 +122,9 @@ impl From<Status> for v1::Status {
             Status::Aborted(Reason::NonFinite) => v1::Status::AbortedNonFinite,
             Status::Aborted(Reason::BlowUp) => v1::Status::AbortedBlowUp,
             Status::Aborted(Reason::SelfIntersecting) => v1::Status::AbortedSelfIntersecting,
+            Status::Aborted(Reason::JointSeparation) => v1::Status::AbortedJointSeparation,
+            Status::Aborted(Reason::Sinking) => v1::Status::AbortedSinking,
+            Status::Aborted(Reason::EnergyFromNothing) => v1::Status::AbortedEnergyFromNothing,
         }
     }
 }
@@ -138,6 +141,9 @@ impl TryFrom<v1::Status> for Status {
             v1::Status::AbortedNonFinite => Ok(Status::Aborted(Reason::NonFinite)),
             v1::Status::AbortedBlowUp => Ok(Status::Aborted(Reason::BlowUp)),
             v1::Status::AbortedSelfIntersecting => Ok(Status::Aborted(Reason::SelfIntersecting)),
+            v1::Status::AbortedJointSeparation => Ok(Status::Aborted(Reason::JointSeparation)),
+            v1::Status::AbortedSinking => Ok(Status::Aborted(Reason::Sinking)),
+            v1::Status::AbortedEnergyFromNothing => Ok(Status::Aborted(Reason::EnergyFromNothing)),
         }
     }
 }

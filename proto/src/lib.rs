@@ -1,7 +1,9 @@
-//! The wire: generated messages and services, and the conversions between them and the domain. It decides
-//! nothing.
+//! The wire: generated messages and services, the conversions between them and the domain, and how a
+//! coordinator is found and dialled. It decides nothing.
 
 pub mod convert;
+pub mod dial;
+pub mod join;
 pub mod refusal;
 
 pub use convert::{ConvertError, TaskHash, task_hash};

@@ -49,6 +49,19 @@ pub enum Refusal {
     Hello(String),
 }
 
+impl Refusal {
+    /// Its kind in one word, for those who count.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Refusal::Protocol { .. } => "protocol",
+            Refusal::Version { .. } => "version",
+            Refusal::Fingerprint { .. } => "fingerprint",
+            Refusal::NameTaken { .. } => "name_taken",
+            Refusal::Hello(_) => "hello",
+        }
+    }
+}
+
 fn older(worker: &u32, coordinator: &u32) -> &'static str {
     if worker < coordinator { "worker" } else { "coordinator" }
 }

@@ -4,11 +4,11 @@
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
+use proto::dial::{Address, Line};
 use proto::v1::experiments_client::ExperimentsClient;
 use proto::v1::fleet_client::FleetClient;
 use proto::v1::lineage_client::LineageClient;
 use proto::v1::{self, query_request::What, value::Kind};
-use tonic::transport::{Channel, Endpoint};
 use tonic::{Code, Status};
 
 /// How long an answer may take while nothing is wrong; a machine under load included.
@@ -18,22 +18,26 @@ pub const PATIENCE: Duration = Duration::from_secs(120);
 #[derive(Debug)]
 pub struct Client {
     runtime: tokio::runtime::Runtime,
-    channel: Channel,
+    channel: Line,
 }
 
 impl Client {
-    /// A client of the coordinator at an address; it connects when first asked.
+    /// A client of a coordinator without credentials; it connects when first asked.
     pub fn new(address: SocketAddr) -> Client {
+        Client::of(Address::plain(&format!("http://{address}")).expect("an address makes a URL"))
+    }
+
+    /// A client of any coordinator.
+    pub fn of(address: Address) -> Client {
         let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_all().build();
         let runtime = runtime.expect("a runtime starts");
-        let endpoint = Endpoint::from_shared(format!("http://{address}")).expect("an address makes a URL");
-        let channel =
-            runtime.block_on(async { endpoint.connect_timeout(Duration::from_secs(1)).connect_lazy() });
+        let address = address.with(|endpoint| endpoint.connect_timeout(Duration::from_secs(1)));
+        let channel = runtime.block_on(async { address.connect_lazy() });
         Client { runtime, channel }
     }
 
     /// The connection, for services that this client does not wrap.
-    pub fn channel(&self) -> Channel {
+    pub fn channel(&self) -> Line {
         self.channel.clone()
     }
 
@@ -45,7 +49,7 @@ impl Client {
     /// Asks until there is an answer: `UNAVAILABLE` and broken connections are asked again.
     fn ask<T, F: Future<Output = Result<T, Status>>>(
         &self,
-        question: impl Fn(Channel) -> F,
+        question: impl Fn(Line) -> F,
     ) -> Result<T, Status> {
         let deadline = Instant::now() + PATIENCE;
         loop {

@@ -10,7 +10,9 @@ use crate::programs::program;
 pub fn hatchery(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(program("hatchery"));
     command.current_dir(folder).args(arguments);
-    for variable in ["HATCHERY_COORDINATOR", "HATCHERY_DB", "HATCHERY_LOG"] {
+    for variable in
+        ["HATCHERY_JOIN", "HATCHERY_JOIN_FILE", "HATCHERY_COORDINATOR", "HATCHERY_DB", "HATCHERY_LOG"]
+    {
         command.env_remove(variable);
     }
     command.env("NO_COLOR", "1");

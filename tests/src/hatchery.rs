@@ -10,7 +10,10 @@ use std::time::{Duration, Instant};
 use rustix::process::Signal;
 use tempfile::TempDir;
 
+use proto::dial::Address;
+
 use crate::client::{Client, PATIENCE};
+use crate::keeper::Keeper;
 use crate::process::Process;
 use crate::programs::program;
 
@@ -25,7 +28,13 @@ pub struct Hatchery {
     coordinator: Process,
     address: SocketAddr,
     client: Client,
+    /// Who keeps the credentials, if it has some.
+    keeper: Option<Keeper>,
+    /// What its processes log.
+    level: &'static str,
     folder: TempDir,
+    /// Heartbeat and timeout, ms.
+    pace: [u32; 2],
 }
 
 impl Hatchery {
@@ -44,11 +53,49 @@ impl Hatchery {
         hatchery
     }
 
+    /// Starts a coordinator on a new lineage that hears of its workers at a pace of its own, milliseconds.
+    pub fn with_heartbeat(heartbeat_ms: u32, timeout_ms: u32) -> Hatchery {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        Hatchery::start(folder, [heartbeat_ms, timeout_ms])
+    }
+
     /// Starts a coordinator in a folder, which may hold a lineage already.
     pub fn in_folder(folder: TempDir) -> Hatchery {
+        Hatchery::start(folder, [HEARTBEAT_MS, TIMEOUT_MS])
+    }
+
+    fn start(folder: TempDir, pace: [u32; 2]) -> Hatchery {
         let any_port = "127.0.0.1:0".parse().expect("an address");
-        let (coordinator, address) = start_coordinator(folder.path(), any_port);
-        Hatchery { workers: BTreeMap::new(), coordinator, address, client: Client::new(address), folder }
+        let (coordinator, address) = start_coordinator(folder.path(), any_port, pace, None, "info");
+        let client = Client::new(address);
+        let (workers, keeper) = (BTreeMap::new(), None);
+        Hatchery { workers, coordinator, address, client, keeper, level: "info", folder, pace }
+    }
+
+    /// Starts a coordinator behind TLS, on a new lineage, with a token for workers and one for clients.
+    pub fn with_credentials() -> Hatchery {
+        Hatchery::with_credentials_and_log("info")
+    }
+
+    /// The same, with logs of a level, from its workers as well.
+    pub fn with_credentials_and_log(level: &'static str) -> Hatchery {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let mut keeper = Keeper::found(folder.path());
+        let any_port = "127.0.0.1:0".parse().expect("an address");
+        let pace = [HEARTBEAT_MS, TIMEOUT_MS];
+        let (coordinator, address) = start_coordinator(folder.path(), any_port, pace, Some(&keeper), level);
+        keeper.moved(address);
+        let client = Client::of(Address::of(keeper.client()));
+        let (workers, keeper) = (BTreeMap::new(), Some(keeper));
+        Hatchery { workers, coordinator, address, client, keeper, level, folder, pace }
+    }
+
+    /// Who keeps the credentials.
+    ///
+    /// # Panics
+    /// When there are none.
+    pub fn keeper(&self) -> &Keeper {
+        self.keeper.as_ref().expect("it was started with credentials")
     }
 
     /// Where everything is.
@@ -84,7 +131,9 @@ impl Hatchery {
     /// Starts the coordinator again on the same lineage and address.
     pub fn restart_coordinator(&mut self) {
         self.coordinator.kill();
-        (self.coordinator, _) = start_coordinator(self.folder.path(), self.address);
+        let keeper = self.keeper.as_ref();
+        (self.coordinator, _) =
+            start_coordinator(self.folder.path(), self.address, self.pace, keeper, self.level);
     }
 
     /// Starts a worker of one slot.
@@ -95,10 +144,19 @@ impl Hatchery {
     /// Starts a worker of one slot from a binary of its own, with further arguments.
     pub fn join_as(&mut self, name: &str, binary: &str, arguments: &[&str]) {
         let mut command = Command::new(program(binary));
-        command.args(["--coordinator", &self.url(), "--slots", "1", "--name", name]).args(arguments);
-        command.env("HATCHERY_LOG", "info");
+        command.args(["--slots", "1", "--name", name]).args(arguments);
+        match &self.keeper {
+            Some(keeper) => command.env("HATCHERY_JOIN", keeper.worker().to_string()),
+            None => command.args(["--coordinator", &self.url()]),
+        };
+        self.join_by(name, &mut command);
+    }
+
+    /// Starts a worker by a command line of the test's.
+    pub fn join_by(&mut self, name: &str, command: &mut Command) {
+        command.env("HATCHERY_LOG", self.level);
         let log = self.folder.path().join(format!("{name}.log"));
-        self.workers.insert(name.to_owned(), Process::start(&mut command, &log));
+        self.workers.insert(name.to_owned(), Process::start(command, &log));
     }
 
     /// A worker's process.
@@ -165,16 +223,25 @@ impl Default for Hatchery {
     }
 }
 
-fn start_coordinator(folder: &Path, listen: SocketAddr) -> (Process, SocketAddr) {
+fn start_coordinator(
+    folder: &Path,
+    listen: SocketAddr,
+    pace: [u32; 2],
+    keeper: Option<&Keeper>,
+    level: &str,
+) -> (Process, SocketAddr) {
     let file = folder.join("address");
     // One of an earlier start would be read before this one is there.
     let _ = std::fs::remove_file(&file);
     let mut command = Command::new(program("hatchery-coordinator"));
     command.arg("--db").arg(folder.join("lineage.db"));
     command.arg("--listen").arg(listen.to_string()).arg("--address-file").arg(&file);
-    command.arg("--heartbeat-ms").arg(HEARTBEAT_MS.to_string());
-    command.arg("--timeout-ms").arg(TIMEOUT_MS.to_string());
-    command.env("HATCHERY_LOG", "info");
+    command.arg("--heartbeat-ms").arg(pace[0].to_string());
+    command.arg("--timeout-ms").arg(pace[1].to_string());
+    command.env("HATCHERY_LOG", level);
+    if let Some(keeper) = keeper {
+        command.arg("--credentials").arg(keeper.folder());
+    }
     let mut process = Process::start(&mut command, &folder.join("coordinator.log"));
     let deadline = Instant::now() + PATIENCE;
     loop {

@@ -4,12 +4,13 @@
 //! ```text
 //! programs    finds and builds the binaries           process     one guarded child, its signals and its log
 //! hatchery    a coordinator, its workers, a lineage   client      questions over gRPC
-//! samples     small experiments
+//! samples     small experiments                      keeper     credentials and their tokens
 //! ```
 
 pub mod client;
 pub mod command;
 pub mod hatchery;
+pub mod keeper;
 pub mod local;
 pub mod process;
 pub mod programs;

@@ -37,9 +37,14 @@ pub fn experiment(text: &str) -> Experiment {
 /// # Panics
 /// When the file is no such experiment.
 pub fn lineage(text: &str) -> String {
+    hash_of(&history(&experiment(text)))
+}
+
+/// The lineage hash of individuals in order of run and place, in hexadecimal.
+pub fn hash_of<'a>(history: impl IntoIterator<Item = &'a Lived>) -> String {
     let mut hasher = LineageHasher::new();
-    for lived in history(&experiment(text)) {
-        hash(&mut hasher, &lived);
+    for lived in history {
+        hash(&mut hasher, lived);
     }
     hasher.finish().iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -11,15 +11,15 @@ pub fn workspace() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the tests are a folder of the workspace")
 }
 
-/// The path of a binary: `hatchery`, `hatchery-coordinator`, `hatchery-worker` or `fragile-worker`.
+/// The path of a binary: one of [`PROGRAMS`].
 ///
 /// # Panics
 /// When the workspace does not build, or has no binary of that name.
 pub fn program(name: &str) -> PathBuf {
     static BUILT: LazyLock<PathBuf> = LazyLock::new(build);
-    // The fragile worker is a tool of these tests, not under test: it is always built.
+    // Workers with something wrong with them are tools of these tests, not under test: they are always built.
     let folder = match std::env::var_os("HATCHERY_BIN_DIR") {
-        Some(folder) if name != "fragile-worker" => workspace().join(folder),
+        Some(folder) if !["fragile-worker", "lying-worker"].contains(&name) => workspace().join(folder),
         _ => BUILT.clone(),
     };
     let path = folder.join(name);
@@ -50,7 +50,9 @@ fn build() -> PathBuf {
     folder.to_owned()
 }
 
-const PROGRAMS: [&str; 4] = ["hatchery", "hatchery-coordinator", "hatchery-worker", "fragile-worker"];
+/// The binaries of this workspace that tests start.
+pub const PROGRAMS: [&str; 5] =
+    ["hatchery", "hatchery-coordinator", "hatchery-worker", "fragile-worker", "lying-worker"];
 
 /// What the programs are made of.
 const CRATES: [&str; 9] =

@@ -111,3 +111,8 @@ pub fn culled(text: &str) -> String {
     let text = text.replace("runs = 1", "runs = 6");
     format!("{text}\n[culling]\nat = 0.25\nfraction = 0.9\ncontrol = 0.2\n")
 }
+
+/// The same, with a share of its evaluations audited.
+pub fn audited(text: &str, share: f64) -> String {
+    text.replace("runs = 1", &format!("runs = 1\naudit = {share:?}"))
+}

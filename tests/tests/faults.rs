@@ -150,18 +150,39 @@ fn a_lineage_of_a_newer_program_is_refused_and_left_as_it_is() {
 }
 
 #[test]
+fn a_read_only_lineage_is_refused_by_name_can_be_read_and_goes_on_once_it_is_writable() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let Some(disk) = Disk::mount(&folder, "64m") else { return };
+    let mut hatchery = Hatchery::in_folder(folder);
+    hatchery.join("w1");
+    let text = probe(17, 200, 30, 2000);
+    let id = hatchery.submit(&text);
+    hatchery.client().wait_until(id, |e| e.evaluated >= 300);
+    hatchery.coordinator().signal(Signal::TERM);
+    hatchery.coordinator().wait(Duration::from_secs(20));
+    // What still runs keeps its log open, and with it the disk.
+    hatchery.kill("w1");
+    assert!(disk.remount("ro"), "nobody writes to it any more");
+    let elsewhere = tempfile::tempdir().expect("a temporary folder");
+    let mut command = std::process::Command::new(hatchery_tests::programs::program("hatchery-coordinator"));
+    command.arg("--db").arg(hatchery.db()).args(["--listen", "127.0.0.1:0"]);
+    let mut refused = Process::start(&mut command, &elsewhere.path().join("refused.log"));
+    assert_eq!(refused.wait(Duration::from_secs(20)).code(), Some(1));
+    assert!(refused.log().contains("lineage.db") && refused.log().contains("written"), "{}", refused.log());
+    let db = hatchery.db().to_string_lossy().into_owned();
+    let listed = command::succeed(elsewhere.path(), &["status", "last", "--db", &db]);
+    assert!(listed.contains("running"), "{listed}");
+    assert!(disk.remount("rw"));
+    hatchery.restart_coordinator();
+    hatchery.join("w1");
+    hatchery.client().wait(id);
+    assert_eq!(hatchery.client().hash(id), local::lineage(&text));
+}
+
+#[test]
 fn a_full_disk_pauses_the_run_with_a_word_and_room_lets_it_go_on() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let mounted = std::process::Command::new("mount")
-        .args(["-t", "tmpfs", "-o", "size=3m", "tmpfs"])
-        .arg(folder.path())
-        .output()
-        .is_ok_and(|output| output.status.success());
-    if !mounted {
-        eprintln!("skipped: mounting a small tmpfs is not permitted here");
-        return;
-    }
-    let _unmount = Unmount(folder.path().to_owned());
+    let Some(disk) = Disk::mount(&folder, "3m") else { return };
     let mut hatchery = Hatchery::in_folder(folder);
     hatchery.join("w1");
     hatchery.wait_attached(1);
@@ -173,20 +194,39 @@ fn a_full_disk_pauses_the_run_with_a_word_and_room_lets_it_go_on() {
     let stuck = hatchery.client().wait_until(id, |e| e.reason.contains("full") || e.state == "finished");
     assert!(stuck.reason.contains("full"), "it says what holds it up: {stuck:#?}");
     std::fs::remove_file(&ballast).expect("it was written");
-    let remount = std::process::Command::new("mount")
-        .args(["-o", "remount,size=256m"])
-        .arg(hatchery.folder())
-        .status()
-        .expect("mount was there before");
-    assert!(remount.success());
+    assert!(disk.remount("size=256m"));
     hatchery.client().wait(id);
     assert_eq!(hatchery.client().hash(id), local::lineage(&text));
 }
 
-/// Takes a mount away when the test ends, however it does.
-struct Unmount(std::path::PathBuf);
+/// A small disk of our own, taken away when the test ends, however it does.
+struct Disk(std::path::PathBuf);
 
-impl Drop for Unmount {
+impl Disk {
+    /// Mounts one on a folder; where that is not permitted it says so, and the test is skipped.
+    fn mount(folder: &tempfile::TempDir, size: &str) -> Option<Disk> {
+        let options = format!("size={size}");
+        let mounted = std::process::Command::new("mount")
+            .args(["-t", "tmpfs", "-o", &options, "tmpfs"])
+            .arg(folder.path())
+            .output()
+            .is_ok_and(|output| output.status.success());
+        if !mounted {
+            eprintln!("SKIPPED: mounting a small tmpfs is not permitted here");
+            return None;
+        }
+        Some(Disk(folder.path().to_owned()))
+    }
+
+    fn remount(&self, option: &str) -> bool {
+        let options = format!("remount,{option}");
+        let mut command = std::process::Command::new("mount");
+        let output = command.args(["-o", &options]).arg(&self.0).output().expect("mount was there before");
+        output.status.success()
+    }
+}
+
+impl Drop for Disk {
     fn drop(&mut self) {
         let _ = std::process::Command::new("umount").arg("--lazy").arg(&self.0).status();
     }

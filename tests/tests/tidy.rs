@@ -9,7 +9,7 @@ use hatchery_tests::programs::workspace;
 
 /// What a crate of this workspace may depend on, of this workspace. Nothing may depend on a crate that is only
 /// on the left.
-const ARROWS: [(&str, &[&str]); 8] = [
+const ARROWS: [(&str, &[&str]); 9] = [
     ("creatures", &[]),
     ("search", &["creatures"]),
     ("proto", &["creatures"]),
@@ -18,6 +18,7 @@ const ARROWS: [(&str, &[&str]); 8] = [
     ("cli", &["creatures", "search", "proto", "coordinator", "worker"]),
     ("tests", &["creatures", "search", "proto", "coordinator", "worker"]),
     ("benches", &["creatures", "search", "proto", "coordinator", "worker", "tests"]),
+    ("fuzz", &["creatures", "search", "proto"]),
 ];
 
 /// What a pure crate may depend on: values in, values out. Whoever adds one has made sure that it has no

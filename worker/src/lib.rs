@@ -20,5 +20,5 @@ mod slots;
 mod tasks;
 mod window;
 
-pub use config::{Config, ConfigError, Registry};
+pub use config::{Config, ConfigError, Dial, Hands, Registry};
 pub use session::{WorkerError, run};

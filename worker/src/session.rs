@@ -9,16 +9,18 @@ use crate::tasks::{Tasks, chain};
 use crate::window::{Account, is_news};
 use bytes::Bytes;
 use creatures::Cull;
+use proto::dial::DialError;
 use proto::v1::coordinator_message::Kind as Incoming;
 use proto::v1::fleet_client::FleetClient;
 use proto::v1::worker_message::Kind as Outgoing;
 use proto::{MESSAGE_SIZE_MAX, PROTOCOL, TaskHash, refusal, v1};
 use std::collections::VecDeque;
+use std::future::pending;
 use std::io;
 use std::pin::{Pin, pin};
 use std::time::Duration;
 use tokio::sync::mpsc;
-use tokio::time::{MissedTickBehavior, interval, sleep, timeout};
+use tokio::time::{Instant, MissedTickBehavior, interval, sleep, sleep_until, timeout};
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Status, Streaming};
 
@@ -44,38 +46,57 @@ pub enum WorkerError {
         /// Its answer.
         status: Box<Status>,
     },
+    /// Whoever answers is not the coordinator that is meant, or speaks otherwise.
+    #[error("{0}")]
+    Misdialled(String),
     /// A slot's thread could not be started.
     #[error("cannot start the thread of a slot")]
     Thread(#[source] io::Error),
 }
 
 /// Attaches to the coordinator, and again whenever the stream breaks, and evaluates, until `shutdown`
-/// completes: then takes nothing new, gives back what has not begun, finishes and reports what runs, and
-/// returns. Without a coordinator at that moment it returns at once; what it held can be evaluated again.
+/// completes, or its time or its patience with idleness is over: then takes nothing new, gives back what has not
+/// begun, finishes and reports what runs, within the grace, and returns. Without a coordinator at that moment it
+/// returns at once; what it held can be evaluated again.
 ///
 /// # Errors
-/// When the coordinator refuses this worker for good.
+/// When the coordinator refuses this worker for good, or never was the one that is meant.
 pub async fn run(config: Config, shutdown: impl Future<Output = ()>) -> Result<(), WorkerError> {
-    let slots = Slots::start(config.slots).map_err(WorkerError::Thread)?;
-    let mut shutdown = pin!(shutdown);
-    let mut backoff = Backoff::new();
+    let slots = Slots::start(config.slots, config.hands).map_err(WorkerError::Thread)?;
+    let time_limit = config.time_limit.map(|time| Instant::now() + time);
+    let mut shutdown = pin!(async {
+        tokio::select! {
+            biased; // so that a simulation replays
+            () = shutdown => {}
+            () = until(time_limit) => tracing::info!("the time limit is over"),
+            () = idle(&slots, config.idle_timeout) => tracing::info!("nothing to evaluate for the idle timeout"),
+        }
+    });
+    let mut backoff = Backoff::new(&config.name);
     let mut lineage = Bytes::new();
     let mut told = String::new(); // a coordinator that stays away is worth one line
     loop {
         let end = tokio::select! {
+            biased;
             () = &mut shutdown => return Ok(()),
             attached = attach(&config, &slots, &mut lineage) => match attached {
                 Ok(session) => {
                     backoff.reset();
                     told.clear();
-                    session.work(&slots, shutdown.as_mut()).await
+                    session.work(&slots, shutdown.as_mut(), config.grace).await
                 }
                 Err(end) => end,
             }
         };
+        let end = match end {
+            // Once it was the right one, and whoever is there now may go away again.
+            End::Misdialled(reason) if !lineage.is_empty() => End::Lost(reason),
+            end => end,
+        };
         match end {
             End::Drained => return Ok(()),
             End::Refused(status) => return Err(refused(&config, status)),
+            End::Misdialled(reason) => return Err(WorkerError::Misdialled(reason)),
             End::Lost(reason) => {
                 slots.recall();
                 let (coordinator, wait) = (config.coordinator.uri(), backoff.wait());
@@ -86,6 +107,7 @@ pub async fn run(config: Config, shutdown: impl Future<Output = ()>) -> Result<(
                 }
                 told = reason;
                 tokio::select! {
+                    biased;
                     () = &mut shutdown => return Ok(()),
                     () = sleep(wait) => {}
                 }
@@ -110,6 +132,8 @@ enum End {
     Drained,
     /// The coordinator would say the same again.
     Refused(Box<Status>),
+    /// It was not the coordinator that is meant, or one that speaks otherwise.
+    Misdialled(String),
     /// Anything that another attachment may mend.
     Lost(String),
 }
@@ -123,20 +147,48 @@ impl From<Status> for End {
     }
 }
 
+impl From<DialError> for End {
+    fn from(error: DialError) -> Self {
+        match error {
+            DialError::Stranger { .. } | DialError::Plain { .. } | DialError::Tls { .. } => {
+                End::Misdialled(error.to_string())
+            }
+            DialError::Silent { .. } => End::Lost(chain(&error)),
+        }
+    }
+}
+
+/// Waits for a time, which may never come.
+async fn until(time: Option<Instant>) {
+    match time {
+        Some(time) => sleep_until(time).await,
+        None => pending().await,
+    }
+}
+
+/// Waits until there was nothing to evaluate for so long.
+async fn idle(slots: &Slots, timeout: Option<Duration>) {
+    let Some(timeout) = timeout else { return pending().await };
+    while let Some(rest) = timeout.checked_sub(slots.idle_for()).filter(|rest| !rest.is_zero()) {
+        sleep(rest).await;
+    }
+}
+
 /// Says hello and waits for the welcome. What is held for another lineage than the welcome's is thrown away.
 async fn attach(config: &Config, slots: &Slots, lineage: &mut Bytes) -> Result<Session, End> {
-    let endpoint = config
-        .coordinator
-        .clone()
-        .connect_timeout(ATTACH_TIMEOUT)
-        .tcp_nodelay(true)
-        .max_frame_size(128 << 10)
-        .http2_keep_alive_interval(Duration::from_secs(5))
-        .keep_alive_timeout(Duration::from_secs(10))
-        .keep_alive_while_idle(true);
+    let address = config.coordinator.clone().with(|endpoint| {
+        endpoint
+            .connect_timeout(ATTACH_TIMEOUT)
+            .http2_keep_alive_interval(Duration::from_secs(5))
+            .keep_alive_timeout(Duration::from_secs(10))
+            .keep_alive_while_idle(true)
+    });
     let hello = async {
-        let channel = endpoint.connect().await.map_err(|error| End::Lost(chain(&error)))?;
-        let mut client = FleetClient::new(channel)
+        let line = match config.dial {
+            Some(dial) => address.connect_through(dial).await?,
+            None => address.connect().await?,
+        };
+        let mut client = FleetClient::new(line)
             .max_decoding_message_size(MESSAGE_SIZE_MAX)
             .max_encoding_message_size(MESSAGE_SIZE_MAX);
         let window = slots.window();
@@ -150,6 +202,7 @@ async fn attach(config: &Config, slots: &Slots, lineage: &mut Bytes) -> Result<S
             window,
             lineage: lineage.clone(),
             holding: slots.holding().into_iter().map(Into::into).collect(),
+            labels: config.labels.clone().into_iter().collect(),
         };
         let (sender, receiver) = mpsc::channel(OUTGOING_MAX);
         sender.try_send(message(Outgoing::Hello(hello))).expect("a new channel has room for a message");
@@ -197,6 +250,8 @@ enum Event {
     Stirred,
     Beat,
     Shutdown,
+    /// What runs may run no longer.
+    GraceOver,
 }
 
 /// One attachment.
@@ -214,7 +269,13 @@ struct Session {
 
 impl Session {
     /// Works until the stream ends, or until drained.
-    async fn work(mut self, slots: &Slots, mut shutdown: Pin<&mut impl Future<Output = ()>>) -> End {
+    async fn work(
+        mut self,
+        slots: &Slots,
+        mut shutdown: Pin<&mut impl Future<Output = ()>>,
+        grace: Duration,
+    ) -> End {
+        let mut grace_over = None;
         let mut beat = interval(self.heartbeat);
         beat.set_missed_tick_behavior(MissedTickBehavior::Delay);
         let mut stirred = true; // reports may have been held from before
@@ -224,12 +285,15 @@ impl Session {
             }
             // Once the sending half has closed, the reason is about to come in.
             let sends = (stirred || !self.outgoing.is_empty()) && !self.sender.is_closed();
+            // In a fixed order, so that a simulation replays. What comes in has an end: the window.
             let event = tokio::select! {
-                message = self.incoming.message() => Event::Incoming(message),
-                room = self.sender.reserve(), if sends => Event::Room(room.is_ok()),
-                () = slots.stirred(), if !stirred => Event::Stirred,
-                _ = beat.tick() => Event::Beat,
+                biased;
                 () = &mut shutdown, if !self.draining => Event::Shutdown,
+                () = until(grace_over) => Event::GraceOver,
+                _ = beat.tick() => Event::Beat,
+                room = self.sender.reserve(), if sends => Event::Room(room.is_ok()),
+                message = self.incoming.message() => Event::Incoming(message),
+                () = slots.stirred(), if !stirred => Event::Stirred,
             };
             match event {
                 Event::Incoming(message) => match self.take(message, slots) {
@@ -255,7 +319,13 @@ impl Session {
                 Event::Shutdown => {
                     tracing::info!("draining");
                     self.draining = true;
-                    self.give_back(slots);
+                    grace_over = Some(Instant::now() + grace);
+                    self.give_back(slots.withdraw());
+                }
+                Event::GraceOver => {
+                    tracing::info!("the grace is over: giving back what still runs");
+                    grace_over = None;
+                    self.give_back(slots.abandon());
                 }
             }
         }
@@ -288,9 +358,9 @@ impl Session {
         }
     }
 
-    /// Returns what has not begun.
-    fn give_back(&mut self, slots: &Slots) {
-        let returned: Vec<_> = slots.withdraw().into_iter().map(Into::into).collect();
+    /// Returns attempts that will not be reported.
+    fn give_back(&mut self, attempts: Vec<Attempt>) {
+        let returned: Vec<_> = attempts.into_iter().map(Into::into).collect();
         self.account.released += returned.len() as u64;
         self.outgoing.push_back(Outgoing::Drain(v1::Drain { returned }));
     }
@@ -338,7 +408,7 @@ impl Session {
         }
         slots.offer(evaluations);
         if self.draining {
-            self.give_back(slots); // it had been sent before the drain was read
+            self.give_back(slots.withdraw()); // it had been sent before the drain was read
         }
         Ok(())
     }

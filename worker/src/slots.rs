@@ -1,6 +1,8 @@
-//! Slots: plain threads that evaluate one after another from one queue, in its order, behind one lock.
+//! Slots: plain threads that evaluate one after another from one queue, in its order, behind one lock. Where
+//! time is simulated, tasks take their place.
 //! They know no stream; whoever holds one feeds the queue and takes the reports.
 
+use crate::config::Hands;
 use crate::reports::{Attempt, Evaluation, Failure, News, Outbox, Report};
 use crate::tasks::{chain, words};
 use crate::window::Pace;
@@ -8,7 +10,7 @@ use creatures::{Interim, Observer};
 use std::collections::{BTreeSet, VecDeque};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use std::{io, thread};
 use tokio::sync::Notify;
 
@@ -22,6 +24,8 @@ struct Shared {
     state: Mutex<State>,
     /// Signalled when the queue has grown and a slot waits.
     work: Condvar,
+    /// The same for slots in simulated time.
+    simulated_work: Notify,
     /// Signalled when reports are worth sending, or when the last slot has become idle.
     stirred: Notify,
 }
@@ -34,6 +38,8 @@ struct State {
     is_announced: bool,
     pace: Pace,
     waiting_slots: usize,
+    /// When a slot last had something to evaluate.
+    busy: Instant,
     closed: bool,
 }
 
@@ -45,11 +51,11 @@ struct Running {
 }
 
 impl Slots {
-    /// Starts the threads.
+    /// Starts the threads, or the tasks in their place.
     ///
     /// # Errors
-    /// When the system refuses one.
-    pub(crate) fn start(count: usize) -> io::Result<Self> {
+    /// When the system refuses a thread.
+    pub(crate) fn start(count: usize, hands: Hands) -> io::Result<Self> {
         let state = State {
             queue: VecDeque::new(),
             running: vec![None; count],
@@ -57,13 +63,24 @@ impl Slots {
             is_announced: false,
             pace: Pace::default(),
             waiting_slots: 0,
+            busy: Instant::now(),
             closed: false,
         };
-        let shared = Shared { state: Mutex::new(state), work: Condvar::new(), stirred: Notify::new() };
+        let shared = Shared {
+            state: Mutex::new(state),
+            work: Condvar::new(),
+            simulated_work: Notify::new(),
+            stirred: Notify::new(),
+        };
         let slots = Slots { count, shared: Arc::new(shared) };
         for slot in 0..count {
             let shared = Arc::clone(&slots.shared);
-            thread::Builder::new().name(format!("slot-{slot}")).spawn(move || shared.run(slot))?;
+            match hands {
+                Hands::Threads => {
+                    thread::Builder::new().name(format!("slot-{slot}")).spawn(move || shared.run(slot))?;
+                }
+                Hands::Simulated(takes) => drop(tokio::spawn(shared.simulate(slot, takes))),
+            }
         }
         Ok(slots)
     }
@@ -80,6 +97,7 @@ impl Slots {
         } else {
             (0..count).for_each(|_| self.shared.work.notify_one());
         }
+        self.shared.simulated_work.notify_waiters();
     }
 
     /// Adds a report of an evaluation that never got to a slot.
@@ -139,6 +157,25 @@ impl Slots {
         self.shared.lock().queue.drain(..).map(|evaluation| evaluation.attempt).collect()
     }
 
+    /// Takes back everything that has not ended. What runs goes on, and nobody hears of it.
+    pub(crate) fn abandon(&self) -> Vec<Attempt> {
+        let mut state = self.shared.lock();
+        let waiting: Vec<Attempt> = state.queue.drain(..).map(|evaluation| evaluation.attempt).collect();
+        let running = state.running.iter_mut().flatten().filter(|running| running.wanted);
+        let running = running.map(|running| {
+            running.wanted = false;
+            running.attempt
+        });
+        running.chain(waiting).collect()
+    }
+
+    /// How long all slots have had nothing to evaluate.
+    pub(crate) fn idle_for(&self) -> Duration {
+        let state = self.shared.lock();
+        let is_busy = !state.queue.is_empty() || state.running.iter().any(Option::is_some);
+        if is_busy { Duration::ZERO } else { state.busy.elapsed() }
+    }
+
     /// Throws away all reports, those of running evaluations included.
     pub(crate) fn forget(&self) {
         let mut state = self.shared.lock();
@@ -160,13 +197,22 @@ impl Drop for Slots {
         state.queue.clear();
         drop(state);
         self.shared.work.notify_all();
+        self.shared.simulated_work.notify_waiters();
     }
 }
 
 impl State {
+    /// The next evaluation, which this slot then runs.
+    fn begin(&mut self, slot: usize) -> Option<Evaluation> {
+        let evaluation = self.queue.pop_front()?;
+        self.running[slot] = Some(Running { attempt: evaluation.attempt, wanted: true });
+        Some(evaluation)
+    }
+
     /// Takes a slot's last report. True if it is time to wake somebody.
     fn hand_in(&mut self, slot: usize, report: Report) -> bool {
         self.pace.observe(report.seconds);
+        self.busy = Instant::now();
         if self.running[slot].take().is_some_and(|running| running.wanted) {
             self.outbox.push(report);
         }
@@ -202,6 +248,33 @@ impl Shared {
         }
     }
 
+    /// A slot's whole life in simulated time.
+    async fn simulate(self: Arc<Self>, slot: usize, takes: fn(&[u8], u64) -> Duration) {
+        loop {
+            let more = self.simulated_work.notified(); // from here on, so that no call is missed
+            let next = {
+                let mut state = self.lock();
+                if state.closed {
+                    return;
+                }
+                state.begin(slot)
+            };
+            let Some(evaluation) = next else {
+                more.await;
+                continue;
+            };
+            let took = takes(&evaluation.genotype, evaluation.seed);
+            tokio::time::sleep(took).await;
+            let (attempt, seconds) = (evaluation.attempt, took.as_secs_f64());
+            let news = live(&evaluation, &mut |interim: Interim| {
+                self.tell(slot, Report { attempt, seconds, news: News::Interim(interim) });
+            });
+            if self.lock().hand_in(slot, Report { attempt, seconds, news }) {
+                self.stirred.notify_one();
+            }
+        }
+    }
+
     fn tell(&self, slot: usize, report: Report) {
         let mut state = self.lock();
         let wanted = state.running[slot].is_some_and(|running| running.wanted);
@@ -226,8 +299,7 @@ impl Shared {
             if state.closed {
                 return None;
             }
-            if let Some(evaluation) = state.queue.pop_front() {
-                state.running[slot] = Some(Running { attempt: evaluation.attempt, wanted: true });
+            if let Some(evaluation) = state.begin(slot) {
                 return Some(evaluation);
             }
             state.waiting_slots += 1;

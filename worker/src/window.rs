@@ -5,7 +5,7 @@
 /// read, a thread woken. Seconds. A slot that has so much work ahead of it never waits.
 const TURNAROUND: f64 = 0.003;
 /// What reports may wait for company, so that short evaluations share a wake-up and a message. Seconds.
-const COMPANY: f64 = 0.000_05;
+const COMPANY: f64 = 0.010;
 /// However short evaluations are, more of them a slot only grow messages and the loss when a worker dies.
 const PER_SLOT_MAX: usize = 128;
 /// The most that a coordinator grants.
@@ -25,18 +25,18 @@ impl Pace {
     }
 
     /// The window for so many slots at this pace: one ahead at 10 ms and more (more for many slots, whose
-    /// reports come closer together), 8 at 1 ms on two slots, 128 a slot in the microseconds. One ahead
-    /// before anything was measured.
+    /// reports come closer together), 17 at 1 ms on two slots, 128 a slot in the microseconds. One ahead
+    /// before anything was measured. What waits for company counts, since the coordinator does not know of it.
     pub(crate) fn window(&self, slots: usize) -> u32 {
         let ahead = match self.mean {
             Some(mean) => (slots as f64 * TURNAROUND / mean.max(1e-9)).ceil() as usize,
             None => 1,
         };
-        let window = slots + ahead.clamp(1, slots * (PER_SLOT_MAX - 1));
+        let window = slots + (ahead + self.batch() - 1).clamp(1, slots * (PER_SLOT_MAX - 1));
         window.min(WINDOW_MAX) as u32
     }
 
-    /// How many reports are worth a wake-up while there is more to evaluate: 1 from 50 microseconds on.
+    /// How many reports are worth a wake-up while there is more to evaluate: 1 from 10 ms on.
     pub(crate) fn batch(&self) -> usize {
         self.mean.map_or(1, |mean| (COMPANY / mean.max(1e-9)) as usize).clamp(1, PER_SLOT_MAX / 4)
     }
@@ -82,7 +82,7 @@ mod tests {
         assert_eq!(Pace::default().window(2), 3);
         assert_eq!(window(2, 10.0), 3);
         assert_eq!(window(2, 0.010), 3);
-        assert_eq!(window(2, 0.001), 8);
+        assert_eq!(window(2, 0.001), 17);
         assert_eq!(window(2, 0.000_002), 256);
         assert_eq!(window(2, 0.0), 256);
         assert_eq!(window(64, 0.010), 84);
@@ -100,13 +100,13 @@ mod tests {
     }
 
     #[test]
-    fn only_very_short_evaluations_wait_for_company() {
+    fn only_short_evaluations_wait_for_company() {
         let batch = |seconds| {
             let mut pace = Pace::default();
             pace.observe(seconds);
             pace.batch()
         };
-        assert_eq!([1.0, 0.001, 0.000_05, 0.000_02, 0.000_003, 0.0].map(batch), [1, 1, 1, 2, 16, 32]);
+        assert_eq!([1.0, 0.010, 0.005, 0.001, 0.000_05, 0.0].map(batch), [1, 1, 2, 10, 32, 32]);
         assert_eq!(Pace::default().batch(), 1);
     }
 

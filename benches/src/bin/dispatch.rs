@@ -2,6 +2,8 @@
 //! the last committed row, with a real coordinator and real workers. Efficiency is the time that the same
 //! evaluations take on bare threads over the time that they take so. Its peers, a Python process pool and Ray,
 //! are in `benches/peers/`; they store nothing.
+//!
+//! `dispatch [MS]…` measures evaluations of so many milliseconds alone.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
@@ -58,11 +60,17 @@ fn main() {
             ]);
             rate
         };
-    measure(0.0, 2, 20_000, 10, None);
-    measure(1.0, 2, 1000, 4, None);
-    measure(10.0, 2, 200, 4, None);
-    let alone = measure(5.0, 1, 200, 4, None);
-    measure(5.0, 2, 200, 4, Some(alone));
+    let named: Vec<f64> = std::env::args().skip(1).map(|ms| ms.parse().expect("milliseconds")).collect();
+    let is_wanted = |work_ms| named.is_empty() || named.contains(&work_ms);
+    for (work_ms, population, generations) in [(0.0, 20_000, 10), (1.0, 1000, 4), (10.0, 200, 4)] {
+        if is_wanted(work_ms) {
+            measure(work_ms, 2, population, generations, None);
+        }
+    }
+    if is_wanted(5.0) {
+        let alone = measure(5.0, 1, 200, 4, None);
+        measure(5.0, 2, 200, 4, Some(alone));
+    }
 }
 
 /// What one run took, seconds.

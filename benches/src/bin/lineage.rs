@@ -206,6 +206,7 @@ async fn restart(folder: &Path, file: &Path) -> anyhow::Result<f64> {
         window: 1,
         lineage: Default::default(),
         holding: vec![],
+        labels: Default::default(),
     };
     let (say, said) = tokio::sync::mpsc::channel(1);
     say.send(v1::WorkerMessage { kind: Some(Outgoing::Hello(hello)) }).await?;

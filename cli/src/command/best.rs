@@ -9,7 +9,7 @@ use crate::render::table::{Column, table};
 use crate::render::{Output, json, number};
 
 pub(super) async fn best(arguments: Best, output: Output) -> Result<(), Failure> {
-    let connection = Connection::open(&Source::of(&arguments.ask)).await?;
+    let connection = Connection::open(&Source::of(&arguments.ask)?).await?;
     let request = BestRequest { experiment: arguments.experiment, limit: arguments.limit };
     let best = connection.lineage().best(within(PATIENT, request)).await?.into_inner().individuals;
     if output.json {

@@ -13,7 +13,7 @@ use crate::exit::Failure;
 use crate::render::Output;
 
 pub(super) async fn compare(arguments: Compare, output: Output) -> Result<(), Failure> {
-    let connection = Connection::open(&Source::of(&arguments.ask)).await?;
+    let connection = Connection::open(&Source::of(&arguments.ask)?).await?;
     let mut views = [Vec::new(), Vec::new(), Vec::new()];
     let mut seen = BTreeSet::new();
     for reference in &arguments.experiments {

@@ -18,7 +18,7 @@ pub(super) enum Order {
 }
 
 pub(super) async fn control(order: Order, arguments: Control, output: Output) -> Result<(), Failure> {
-    let connection = Connection::open(&Source::coordinator(&arguments.dial)).await?;
+    let connection = Connection::open(&Source::coordinator(&arguments.dial)?).await?;
     let mut client = connection.experiments();
     let request = within(PROMPT, ControlRequest { experiment: arguments.experiment });
     let reply = match order {

@@ -14,7 +14,7 @@ use crate::exit::Failure;
 use crate::render::{Output, json, number};
 
 pub(super) async fn export(arguments: Export, output: Output) -> Result<(), Failure> {
-    let connection = Connection::open(&Source::of(&arguments.ask)).await?;
+    let connection = Connection::open(&Source::of(&arguments.ask)?).await?;
     let rows = connection.view(&arguments.view, arguments.experiment.as_deref()).await?;
     let Some(path) = &arguments.output else {
         write(rows, arguments.format, &mut BufWriter::new(std::io::stdout())).await?;

@@ -8,7 +8,7 @@ use crate::exit::Failure;
 use crate::render::{Output, json, number};
 
 pub(super) async fn hash(arguments: AskExperiment, output: Output) -> Result<(), Failure> {
-    let connection = Connection::open(&Source::of(&arguments.ask)).await?;
+    let connection = Connection::open(&Source::of(&arguments.ask)?).await?;
     let request = HashRequest { experiment: arguments.experiment };
     let hashes = connection.lineage().hash(within(PATIENT, request)).await?.into_inner().hashes;
     if output.json {

@@ -8,7 +8,7 @@ use crate::exit::Failure;
 use crate::render::{Output, json, number};
 
 pub(super) async fn lineage(arguments: Lineage, output: Output) -> Result<(), Failure> {
-    let connection = Connection::open(&Source::of(&arguments.ask)).await?;
+    let connection = Connection::open(&Source::of(&arguments.ask)?).await?;
     let request = AncestryRequest {
         individual: arguments.individual,
         depth: arguments.depth.unwrap_or(0),

@@ -9,7 +9,7 @@ use crate::render::table::{Column, table};
 use crate::render::{Output, json, number};
 
 pub(super) async fn list(ask: &Ask, output: Output) -> Result<(), Failure> {
-    let connection = Connection::open(&Source::of(ask)).await?;
+    let connection = Connection::open(&Source::of(ask)?).await?;
     let reply = connection.experiments().list(within(PROMPT, ListRequest {})).await?.into_inner();
     show(&reply.experiments, output)
 }

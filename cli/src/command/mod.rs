@@ -49,7 +49,8 @@ pub(crate) async fn execute(command: Command, output: Output) -> Result<(), Fail
         Command::Completions(arguments) => completions::completions(&arguments),
         Command::Worker(arguments) => {
             // A worker makes a runtime of its own, so `main` starts it before there is one.
-            Err(anyhow::anyhow!("the worker of {} was started from within", arguments.coordinator).into())
+            let coordinator = arguments.coordinator.unwrap_or_default();
+            Err(anyhow::anyhow!("the worker of {coordinator} was started from within").into())
         }
     }
 }

@@ -20,7 +20,7 @@ use crate::picture;
 use crate::render::{Output, number};
 
 pub(super) async fn replay(arguments: Replay, output: Output) -> Result<(), Failure> {
-    let connection = Connection::open(&Source::of(&arguments.ask)).await?;
+    let connection = Connection::open(&Source::of(&arguments.ask)?).await?;
     let recorded = fetch(&connection, arguments.individual).await?;
     let id = recorded.id;
     let written = [("recording", arguments.recording.clone()), ("picture", arguments.picture.clone())];

@@ -11,7 +11,7 @@ use crate::render::{Output, json, number};
 
 pub(super) async fn show(arguments: Show, output: Output) -> Result<(), Failure> {
     let individual =
-        fetch(&Connection::open(&Source::of(&arguments.ask)).await?, arguments.individual).await?;
+        fetch(&Connection::open(&Source::of(&arguments.ask)?).await?, arguments.individual).await?;
     if output.json {
         return output.document(&json::individual(&individual));
     }

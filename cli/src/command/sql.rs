@@ -10,7 +10,7 @@ use crate::render::table::{plain, text};
 use crate::render::{Output, json, number};
 
 pub(super) async fn sql(arguments: Sql, output: Output) -> Result<(), Failure> {
-    let connection = Connection::open(&Source::of(&arguments.ask)).await?;
+    let connection = Connection::open(&Source::of(&arguments.ask)?).await?;
     let request = QueryRequest {
         what: Some(What::Sql(arguments.statement)),
         row_limit: arguments.rows,

@@ -9,7 +9,7 @@ use crate::render::table::{Column, facts, table};
 use crate::render::{Output, json, number};
 
 pub(super) async fn status(arguments: AskExperiment, output: Output) -> Result<(), Failure> {
-    let connection = Connection::open(&Source::of(&arguments.ask)).await?;
+    let connection = Connection::open(&Source::of(&arguments.ask)?).await?;
     let request = GetRequest { experiment: arguments.experiment };
     let experiment = connection.experiments().get(within(PROMPT, request)).await?.into_inner();
     if output.json {

@@ -13,7 +13,7 @@ use crate::render::{Output, json, number};
 pub(super) async fn submit(arguments: Submit, output: Output) -> Result<(), Failure> {
     let text = read_experiment(&arguments.file)?;
     let overrides = arguments.overrides.with_seed(arguments.seed);
-    let connection = Connection::open(&Source::coordinator(&arguments.dial)).await?;
+    let connection = Connection::open(&Source::coordinator(&arguments.dial)?).await?;
     let request = SubmitRequest {
         text: text.clone(),
         profile: overrides.profile.unwrap_or_default(),

@@ -12,7 +12,7 @@ use crate::signals::Signals;
 
 pub(super) async fn watch(arguments: Control, output: Output) -> Result<(), Failure> {
     let mut signals = Signals::listen()?;
-    let connection = Connection::open(&Source::coordinator(&arguments.dial)).await?;
+    let connection = Connection::open(&Source::coordinator(&arguments.dial)?).await?;
     let mut events = open(&connection, &arguments.experiment).await?;
     let mut progress = Progress::new(output);
     loop {

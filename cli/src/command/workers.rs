@@ -1,4 +1,4 @@
-//! `hatchery workers`: who is attached to a coordinator, and what they did.
+//! `hatchery workers`: who is attached to a coordinator, what they did, and why they do nothing.
 
 use proto::v1::{WorkerInfo, WorkersRequest};
 
@@ -9,13 +9,14 @@ use crate::render::table::{Column, table};
 use crate::render::{Output, json, number};
 
 pub(super) async fn workers(dial: &Dial, output: Output) -> Result<(), Failure> {
-    let connection = Connection::open(&Source::coordinator(dial)).await?;
-    let workers = connection.fleet().workers(within(PROMPT, WorkersRequest {})).await?.into_inner().workers;
+    let connection = Connection::open(&Source::coordinator(dial)?).await?;
+    let reply = connection.fleet().workers(within(PROMPT, WorkersRequest {})).await?.into_inner();
+    let (workers, notes) = (reply.workers, reply.notes);
     if output.json {
         return output.document(&workers.iter().map(json::worker).collect::<Vec<_>>());
     }
     if workers.is_empty() {
-        return output.line("no worker is attached: start some with hatchery-worker --coordinator URL");
+        return output.line(notes.join("\n"));
     }
     let columns = [
         Column::Right("id"),
@@ -29,6 +30,7 @@ pub(super) async fn workers(dial: &Dial, output: Output) -> Result<(), Failure> 
         Column::Right("busy"),
         Column::Left("version"),
         Column::Left("attached (UTC)"),
+        Column::Left("labels"),
     ];
     let row = |of: &WorkerInfo| {
         vec![
@@ -43,7 +45,12 @@ pub(super) async fn workers(dial: &Dial, output: Output) -> Result<(), Failure> 
             number::stretch(of.busy_seconds),
             of.version.clone(),
             number::time(of.attached_ms),
+            of.labels.iter().map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>().join(" "),
         ]
     };
-    output.line(table(&columns, workers.iter().map(row)))
+    let mut text = table(&columns, workers.iter().map(row));
+    for note in notes {
+        text.push_str(&format!("\n{note}"));
+    }
+    output.line(text)
 }

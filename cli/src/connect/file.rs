@@ -9,10 +9,12 @@ use coordinator::lineage::{OpenError, ReadError, Reader};
 use coordinator::service::experiments::render_summary;
 use coordinator::service::lineage::{LineageService, OWN, status};
 use hyper_util::rt::TokioIo;
+use proto::dial::{Line, Show};
 use proto::v1;
 use proto::v1::experiments_server::{Experiments, ExperimentsServer};
 use tokio_stream::{Stream, StreamExt};
-use tonic::transport::{Channel, Endpoint, Server};
+use tonic::service::interceptor::InterceptedService;
+use tonic::transport::{Endpoint, Server};
 use tonic::{Request, Response, Status};
 
 use crate::exit::Failure;
@@ -24,7 +26,7 @@ const PIPE_SIZE: usize = 1 << 20;
 ///
 /// # Errors
 /// No such file, or a file that is no lineage, or not of this release.
-pub(super) async fn serve(path: &Path) -> Result<Channel, Failure> {
+pub(super) async fn serve(path: &Path) -> Result<Line, Failure> {
     let reader = Reader::open(path).await.map_err(refusal)?;
     let (ours, theirs) = tokio::io::duplex(PIPE_SIZE);
     let once = tokio_stream::once(Ok::<_, std::io::Error>(theirs)).chain(tokio_stream::pending());
@@ -43,7 +45,8 @@ pub(super) async fn serve(path: &Path) -> Result<Channel, Failure> {
         std::future::ready(pipe)
     });
     let endpoint = Endpoint::from_static("http://in-process");
-    endpoint.connect_with_connector(connector).await.map_err(|error| anyhow::Error::new(error).into())
+    let channel = endpoint.connect_with_connector(connector).await.map_err(anyhow::Error::new)?;
+    Ok(InterceptedService::new(channel, Show::nothing()))
 }
 
 fn refusal(error: OpenError) -> Failure {

@@ -83,7 +83,7 @@ pub(crate) fn worker(of: &v1::WorkerInfo) -> Value {
         "id": of.id, "name": of.name, "host": of.host, "slots": of.slots, "version": of.version,
         "state": of.state, "in_flight": of.in_flight, "window": of.window, "completed": of.completed,
         "lost": of.lost, "busy_seconds": of.busy_seconds, "attached_ms": of.attached_ms,
-        "heard_ms": of.heard_ms,
+        "heard_ms": of.heard_ms, "labels": of.labels,
     })
 }
 

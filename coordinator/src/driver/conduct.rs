@@ -1,7 +1,7 @@
 //! Conducting one experiment: every run from where it stands to its end. Runs go on side by side, so that
 //! the fleet works on while one of them waits for its last outcome. It decides nothing about evolution.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -11,6 +11,7 @@ use search::{Experiment, Place, Search};
 use serde_json::json;
 use tokio::sync::watch;
 use tokio::task::JoinSet;
+use tracing::Instrument as _;
 
 use super::Driver;
 use super::generation::{Generation, Inherited};
@@ -22,7 +23,7 @@ use crate::lineage::{
 };
 
 /// The one stage of a run whose search is a plain genetic algorithm.
-const STAGE: u32 = 0;
+pub(super) const STAGE: u32 = 0;
 /// How long an outcome may wait for others to be committed with it; as much is evaluated again after a kill.
 const WRITE_WITHIN: Duration = Duration::from_millis(50);
 /// So many outcomes are committed at once.
@@ -30,7 +31,7 @@ const WRITE_AT: usize = 1024;
 
 /// Why an experiment cannot go on.
 #[derive(Debug, thiserror::Error)]
-enum ConductError {
+pub(super) enum ConductError {
     #[error(transparent)]
     Read(#[from] ReadError),
     #[error(transparent)]
@@ -57,26 +58,28 @@ impl Default for Unwritten {
 }
 
 /// One run under way.
-struct Run {
+pub(super) struct Run {
     /// From 1.
-    number: u32,
+    pub(super) number: u32,
     stage: StageId,
     search: Box<dyn Search>,
-    generation: Generation,
+    pub(super) generation: Generation,
     inherited: u32,
     opened: Instant,
     /// To be handed out once the run waits for them: an outcome that came before would find nobody.
     evaluations: Vec<Evaluation>,
+    /// All of the generation's, if the experiment is audited: an outcome may be taken back.
+    pub(super) again: BTreeMap<IndividualId, Evaluation>,
 }
 
 /// What a run that goes on needs beside itself; shared by all of them.
-struct Conductor {
-    driver: Driver,
-    id: ExperimentId,
+pub(super) struct Conductor {
+    pub(super) driver: Driver,
+    pub(super) id: ExperimentId,
     experiment: Experiment,
     task: Arc<TaskText>,
-    queue: Queue,
-    progress: Arc<Progress>,
+    pub(super) queue: Queue,
+    pub(super) progress: Arc<Progress>,
 }
 
 /// Conducts an experiment until its last generation has ended, it is cancelled, or the driver stops.
@@ -146,7 +149,13 @@ impl Conductor {
                         return Ok(false);
                     };
                     self.report(output.take_conflicts()).await?;
-                    let complete = self.settle(settled, &mut waiting, &mut unwritten);
+                    let mut complete = self.settle(settled, &mut waiting, &mut unwritten);
+                    for verdict in output.take_quarantined() {
+                        // A generation whose last outcome came with the verdict is still open.
+                        waiting.extend(complete.drain(..).map(|run| (run.generation.first(), run)));
+                        self.write(&mut unwritten).await?;
+                        complete = self.redo(&verdict.worker, &mut waiting).await?;
+                    }
                     if !complete.is_empty() || unwritten.evaluated.len() >= WRITE_AT {
                         self.write(&mut unwritten).await?;
                     }
@@ -171,7 +180,8 @@ impl Conductor {
         turning: &mut JoinSet<Result<Option<Run>, ConductError>>,
     ) {
         if run.generation.complete() {
-            turning.spawn(async move { self.turn(run).await });
+            let span = tracing::debug_span!("turn", run = run.number, generation = run.generation.number);
+            turning.spawn(async move { self.turn(run).await }.instrument(span));
         } else {
             let evaluations = std::mem::take(&mut run.evaluations);
             waiting.insert(run.generation.first(), run);
@@ -250,6 +260,7 @@ impl Conductor {
             inherited: 0,
             opened: Instant::now(),
             evaluations: Vec::new(),
+            again: BTreeMap::new(),
         };
         self.begin(run, individuals, inherited, point.culling).await
     }
@@ -301,6 +312,7 @@ impl Conductor {
             inherited: 0,
             opened: Instant::now(),
             evaluations: Vec::new(),
+            again: BTreeMap::new(),
         };
         self.begin(run, individuals, inherited, culling).await.map(Some)
     }
@@ -315,28 +327,51 @@ impl Conductor {
     ) -> Result<Run, ConductError> {
         run.inherited = individuals.iter().filter(|individual| individual.inherits.is_some()).count() as u32;
         self.driver.shared.lineage.record(inherited.into_iter().map(take_over).collect()).await?;
-        let seed = self.experiment.seed_of(run.number);
         let unsettled = run.generation.unsettled();
         self.progress.settled(individuals.len() - unsettled.len(), 0);
         self.progress.generation(run.number, STAGE, &run.generation);
-        let mut individuals: Vec<_> = individuals.into_iter().map(Some).collect();
-        for index in unsettled {
-            let place = Place { stage: STAGE, generation: run.generation.number, index: index as u32 };
-            let individual = individuals[index].take().expect("each index is unsettled once");
-            run.evaluations.push(Evaluation {
-                id: run.generation.id(index).expect("an unsettled index is within the generation").0,
-                order: (run.number, place.generation, place.index),
-                task: self.task.clone(),
-                genotype: Bytes::from(individual.genotype),
-                seed: evaluation_seed(seed, place),
-                cull: culling.map(|culling| Cull {
-                    at: culling.at,
-                    cutoff: culling.cutoff,
-                    control: self.experiment.culling().is_some_and(|rule| rule.in_control(seed, place)),
-                }),
-            });
+        let is_unsettled = unsettled.into_iter().collect::<BTreeSet<_>>();
+        for (index, individual) in individuals.into_iter().enumerate() {
+            let may_be_taken_back = self.experiment.audit > 0.0 && individual.inherits.is_none();
+            if !may_be_taken_back && !is_unsettled.contains(&index) {
+                continue;
+            }
+            let id = run.generation.id(index).expect("it has an id for each individual");
+            let evaluation = self.evaluation(&run, id, index as u32, individual.genotype, culling);
+            if is_unsettled.contains(&index) {
+                run.evaluations.push(evaluation.clone());
+            }
+            if may_be_taken_back {
+                run.again.insert(id, evaluation);
+            }
         }
         Ok(run)
+    }
+
+    fn evaluation(
+        &self,
+        run: &Run,
+        id: IndividualId,
+        index: u32,
+        genotype: Vec<u8>,
+        culling: Option<Culling>,
+    ) -> Evaluation {
+        let seed = self.experiment.seed_of(run.number);
+        let place = Place { stage: STAGE, generation: run.generation.number, index };
+        Evaluation {
+            id: id.0,
+            order: (run.number, place.generation, place.index),
+            task: self.task.clone(),
+            genotype: Bytes::from(genotype),
+            seed: evaluation_seed(seed, place),
+            cull: culling.map(|culling| Cull {
+                at: culling.at,
+                cutoff: culling.cutoff,
+                control: self.experiment.culling().is_some_and(|rule| rule.in_control(seed, place)),
+            }),
+            audit: self.experiment.audits(seed, place),
+            attempts_before: 0,
+        }
     }
 
     /// Notes what the fleet has settled, to be written soon, and gives the runs that miss nothing any more:
@@ -367,6 +402,7 @@ impl Conductor {
                 individual: id,
                 ending: Ending::Settled(one.result),
                 ruling: one.ruling,
+                audit: one.audit,
                 attempts: one.attempts,
             });
             self.progress.settled(heirs.len(), 1);
@@ -389,6 +425,7 @@ impl Conductor {
     }
 
     /// Commits what was settled.
+    #[tracing::instrument(level = "debug", skip_all, fields(outcomes = unwritten.evaluated.len()))]
     async fn write(&self, unwritten: &mut Unwritten) -> Result<(), ConductError> {
         self.driver.shared.lineage.record(std::mem::take(&mut unwritten.evaluated)).await?;
         Ok(())
@@ -473,6 +510,7 @@ fn take_over(inherited: Inherited) -> Evaluated {
         individual: inherited.heir,
         ending: Ending::Inherits(inherited.from),
         ruling: None,
+        audit: None,
         attempts: Vec::new(),
     }
 }

@@ -80,6 +80,13 @@ impl Generation {
         self.pass_on(index, &known)
     }
 
+    /// Takes a settlement back, as if it had never been.
+    pub(super) fn unsettle(&mut self, index: usize) {
+        if self.settled[index].take().is_some() {
+            self.missing += 1;
+        }
+    }
+
     fn pass_on(&mut self, index: usize, known: &Known) -> Vec<Inherited> {
         let mut inherited = Vec::new();
         for heir in self.heirs[index].clone() {
@@ -197,6 +204,22 @@ mod tests {
         assert!(generation.complete());
         assert_eq!(generation.best(), Some((IndividualId(10), 2.0)));
         assert_eq!(generation.settle(0, outcome(9.0)), [], "a second settlement changes nothing");
+    }
+
+    #[test]
+    fn what_was_taken_back_is_settled_again_with_its_heirs() {
+        let (mut generation, _) =
+            Generation::new(1, IndividualId(1), &[None, at(1, 0), None], vec![None; 3], None);
+        generation.settle(0, outcome(9.0));
+        generation.settle(2, outcome(1.0));
+        assert!(generation.complete());
+        [0, 1].into_iter().for_each(|index| generation.unsettle(index));
+        generation.unsettle(1);
+        assert_eq!((generation.progress(), generation.unsettled()), ((3, 1), vec![0]));
+        assert_eq!(generation.best(), Some((IndividualId(3), 1.0)));
+        let heirs = generation.settle(0, outcome(2.0));
+        assert_eq!(heirs, [Inherited { heir: IndividualId(2), from: IndividualId(1) }]);
+        assert_eq!(generation.outcomes(), [outcome(2.0), outcome(2.0), outcome(1.0)]);
     }
 
     #[test]

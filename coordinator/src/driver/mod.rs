@@ -4,6 +4,7 @@
 mod conduct;
 mod generation;
 mod progress;
+mod redo;
 mod submit;
 
 pub use progress::{Counts, Ended, Happening, Progress, RunProgress, Tally};
@@ -14,6 +15,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use tokio::sync::{broadcast, watch};
 use tokio::task::JoinHandle;
+use tracing::Instrument as _;
 
 use crate::fleet::{Fleet, QueueControl};
 use crate::lineage::{ExperimentId, Health, Lineage, ReadError, State, StoredExperiment, WriteError};
@@ -63,6 +65,7 @@ struct Shared {
 
 /// An experiment that is being conducted.
 struct Active {
+    name: String,
     control: QueueControl,
     progress: Arc<Progress>,
     conducting: JoinHandle<()>,
@@ -107,6 +110,12 @@ impl Driver {
     /// The progress of an experiment that is being conducted; none for one at rest.
     pub fn progress(&self, id: ExperimentId) -> Option<Arc<Progress>> {
         self.active().get(&id).map(|active| active.progress.clone())
+    }
+
+    /// The experiments that are being conducted, by number, with their names.
+    pub(crate) fn conducted(&self) -> Vec<(ExperimentId, String, Arc<Progress>)> {
+        let active = self.active();
+        active.iter().map(|(&id, one)| (id, one.name.clone(), one.progress.clone())).collect()
     }
 
     /// Hands out nothing more of an experiment; what runs is finished and recorded.
@@ -174,10 +183,7 @@ impl Driver {
         if let Health::Stuck { reason } = &*self.shared.lineage.health().borrow() {
             return format!("the lineage cannot be written: {reason}");
         }
-        if self.shared.fleet.summary().borrow().slots == 0 {
-            return "no worker is attached: start one with `hatchery-worker --coordinator URL`".to_owned();
-        }
-        String::new()
+        self.shared.fleet.obstacle()
     }
 
     /// The lineage, to read from.
@@ -248,9 +254,11 @@ impl Driver {
         let queue = self.shared.fleet.queue(stored.name.clone(), 1).await;
         let control = queue.0.control();
         let progress = Arc::new(Progress::new(&experiment));
-        let conducting =
-            tokio::spawn(conduct::conduct(self.clone(), stored, experiment, queue, progress.clone()));
-        self.active().insert(id, Active { control, progress, conducting });
+        let name = stored.name.clone();
+        let span = tracing::info_span!("experiment", id = id.0, name);
+        let conduct = conduct::conduct(self.clone(), stored, experiment, queue, progress.clone());
+        let conducting = tokio::spawn(conduct.instrument(span));
+        self.active().insert(id, Active { name, control, progress, conducting });
         Ok(())
     }
 

@@ -173,6 +173,13 @@ impl Progress {
         }
     }
 
+    /// So many settlements of a run were taken back; its best may be among them.
+    pub(super) fn taken_back(&self, run: u32, count: usize) {
+        let mut counts = self.lock();
+        counts.evaluated = counts.evaluated.saturating_sub(count as u64);
+        counts.runs[run as usize - 1].best = None;
+    }
+
     pub(super) fn finished(&self, run: u32) {
         self.lock().runs[run as usize - 1].finished = true;
     }

@@ -39,6 +39,7 @@ impl Driver {
     ///
     /// # Errors
     /// The problems of the file; a lineage that fails; an unfinished experiment begun by other physics.
+    #[tracing::instrument(level = "info", skip_all)]
     pub async fn submit(&self, submission: Submission) -> Result<(Vec<ExperimentId>, bool), SubmitError> {
         let cells =
             Experiment::parse(&submission.text, &submission.overrides).map_err(SubmitError::Problems)?;

@@ -1,6 +1,7 @@
 //! The loop that owns the scheduler. Each round takes the events that have come, lets the scheduler hand out
 //! once, and carries out its orders. It waits for nobody: neither for a worker nor for an owner.
 
+use super::counts::Counts;
 use super::session::{Session, Unsent};
 use super::{Change, Clock, Delivery, Event, FleetSettings, Joined, OVERDUE_MS, Summary};
 use crate::scheduler::{Hello, Limits, Loss, Millis, NameTaken, Order, QueueId, Scheduler, WorkerId};
@@ -28,6 +29,7 @@ pub(super) struct Rounds {
     summed: Millis,
     summary: watch::Sender<Summary>,
     changes: broadcast::Sender<Change>,
+    counts: Counts,
 }
 
 struct Owner {
@@ -41,6 +43,7 @@ impl Rounds {
         clock: Clock,
         summary: watch::Sender<Summary>,
         changes: broadcast::Sender<Change>,
+        counts: Counts,
     ) -> Rounds {
         let limits = Limits {
             heartbeat_ms: settings.heartbeat_ms.into(),
@@ -48,8 +51,10 @@ impl Rounds {
             overdue_ms: OVERDUE_MS,
         };
         let now = clock.now();
+        let mut scheduler = Scheduler::new(limits, now);
+        settings.quarantined.iter().for_each(|name| scheduler.distrust(name));
         Rounds {
-            scheduler: Scheduler::new(limits, now),
+            scheduler,
             sessions: BTreeMap::new(),
             owners: BTreeMap::new(),
             inspected: now,
@@ -58,6 +63,7 @@ impl Rounds {
             clock,
             summary,
             changes,
+            counts,
         }
     }
 
@@ -68,6 +74,7 @@ impl Rounds {
         tick.set_missed_tick_behavior(MissedTickBehavior::Delay);
         loop {
             tokio::select! {
+                biased; // so that a simulation replays
                 count = inbox.recv_many(&mut events, EVENTS_A_ROUND) => if count == 0 { return },
                 _ = tick.tick() => {}
             }
@@ -183,8 +190,14 @@ impl Rounds {
 
     /// Closes a worker's stream, and takes its leases back.
     fn close(&mut self, worker: WorkerId, loss: Loss, now: Millis) {
-        self.scheduler.lose(worker, loss, now);
+        let leases = self.scheduler.lose(worker, loss, now);
+        self.take_leave(worker, loss, leases);
+    }
+
+    /// Closes the stream of a worker that holds no lease any more.
+    fn take_leave(&mut self, worker: WorkerId, loss: Loss, leases: u64) {
         let Some((_, name)) = self.sessions.remove(&worker) else { return };
+        self.counts.left(loss.word(), leases);
         // Nobody listening is no error.
         let _ = self.changes.send(Change::Left { name, reason: loss.word() });
     }
@@ -225,21 +238,46 @@ impl Rounds {
 
     fn carry_out(&mut self, order: Order, now: Millis) {
         match order {
-            Order::Dismiss { worker, loss } => {
+            Order::Dismiss { worker, loss, leases } => {
                 if let Some((session, _)) = self.sessions.get_mut(&worker) {
                     session.refuse(Status::unavailable(format!("dismissed: {}", loss.word())));
                 }
-                self.close(worker, loss, now);
+                self.take_leave(worker, loss, leases);
             }
             Order::Tell { worker, revoked, assigned } => {
-                let Some((session, _)) = self.sessions.get_mut(&worker) else { return };
+                let Some((session, name)) = self.sessions.get_mut(&worker) else { return };
+                self.counts.handed_out(assigned.len());
+                for one in &assigned {
+                    tracing::trace!(
+                        evaluation = one.evaluation.id,
+                        attempt = one.number,
+                        worker = name,
+                        "handed out"
+                    );
+                }
                 if let Err(Unsent(loss)) = session.tell(revoked, assigned) {
                     self.close(worker, loss, now);
                 }
             }
-            Order::Deliver { queue, settled, conflicts } => {
+            Order::Quarantine(verdict) => {
+                tracing::error!(
+                    worker = verdict.worker,
+                    evaluation = verdict.evaluation,
+                    found = ?verdict.found,
+                    against = ?verdict.against,
+                    witnesses = ?verdict.witnesses,
+                    "a worker found other bits than two others, and is quarantined"
+                );
+                self.counts.quarantined();
+                // Nobody listening is no error.
+                let _ = self.changes.send(Change::Quarantined(verdict));
+            }
+            Order::Deliver { queue, settled, conflicts, quarantined } => {
                 let Some(owner) = self.owners.get(&queue) else { return };
+                self.counts.contradicted(&conflicts);
                 for one in &settled {
+                    self.counts.settled(one);
+                    tracing::trace!(queue = owner.label, evaluation = one.id, "settled");
                     if let Err(aside) = &one.result {
                         tracing::warn!(queue = owner.label, evaluation = one.id, "{aside}");
                     }
@@ -253,7 +291,7 @@ impl Rounds {
                         "two workers computed different bits"
                     );
                 }
-                if owner.deliver.send(Delivery { settled, conflicts }).is_err() {
+                if owner.deliver.send(Delivery { settled, conflicts, quarantined }).is_err() {
                     self.cancel(queue, now);
                 }
             }

@@ -176,6 +176,11 @@ impl Mouth {
         self.tell(Event::Ended(self.worker, Loss::Misspoke, Some(status))).await;
     }
 
+    /// The worker's token is good no more, and it is to be told so.
+    pub(crate) async fn expelled(&self, status: Status) {
+        self.tell(Event::Ended(self.worker, Loss::Expelled, Some(status))).await;
+    }
+
     /// After the goodbye nobody listens, and nothing is to be done about it.
     async fn tell(&self, event: Event) {
         let _ = self.events.send(event).await;
@@ -208,6 +213,8 @@ mod tests {
                 genotype: genotype.clone(),
                 seed: id,
                 cull: None,
+                audit: false,
+                attempts_before: 0,
             },
         };
         (0..count).map(one).collect()

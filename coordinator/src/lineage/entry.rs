@@ -138,8 +138,19 @@ pub struct Evaluated {
     pub ending: Ending,
     /// The ruling on its interim report, if there was one.
     pub ruling: Option<Ruling>,
+    /// What came of its audit, if it was chosen for one.
+    pub audit: Option<Audited>,
     /// Every attempt. At most one is [`Fate::Counted`].
     pub attempts: Vec<Attempt>,
+}
+
+/// An individual whose outcome was taken back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Retracted {
+    /// Who is pending again.
+    pub individual: IndividualId,
+    /// Attempts made so far: numbers go on after them.
+    pub attempts: u32,
 }
 
 /// How an individual came to its outcome.
@@ -194,6 +205,10 @@ pub enum Fate {
     Counted,
     /// Another attempt was first.
     Duplicate,
+    /// It gave the same bits as the one that counted, which an audit asked for.
+    Confirmed,
+    /// It gave other bits than two others.
+    Refuted,
     /// Its worker went away, or fell silent.
     Lost(String),
     /// Its worker reported that it could not be done.
@@ -201,13 +216,34 @@ pub enum Fate {
 }
 
 impl Fate {
-    /// As in the lineage: `counted`, `duplicate`, `lost:REASON`, `failed:REASON`.
+    /// As in the lineage: `counted`, `duplicate`, `confirmed`, `refuted`, `lost:REASON`, `failed:REASON`.
     pub fn word(&self) -> String {
         match self {
             Fate::Counted => "counted".to_owned(),
             Fate::Duplicate => "duplicate".to_owned(),
+            Fate::Confirmed => "confirmed".to_owned(),
+            Fate::Refuted => "refuted".to_owned(),
             Fate::Lost(reason) => format!("lost:{reason}"),
             Fate::Failed(reason) => format!("failed:{reason}"),
+        }
+    }
+}
+
+/// What came of the audit of an evaluation that was chosen for one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Audited {
+    /// Two workers found the same bits.
+    Agreed,
+    /// Nobody was there to find them again, so one worker's word counts.
+    Skipped,
+}
+
+impl Audited {
+    /// As in the lineage.
+    pub fn word(self) -> &'static str {
+        match self {
+            Audited::Agreed => "agreed",
+            Audited::Skipped => "skipped",
         }
     }
 }

@@ -15,8 +15,11 @@ use std::time::Duration;
 const APPLICATION_ID: u32 = u32::from_be_bytes(*b"HATC");
 
 /// The schema, in the order in which it grew: a file of version n has seen the first n.
-const MIGRATIONS: [&str; 2] =
-    [include_str!("../../../migrations/0001_tables.sql"), include_str!("../../../migrations/0002_views.sql")];
+const MIGRATIONS: [&str; 3] = [
+    include_str!("../../../migrations/0001_tables.sql"),
+    include_str!("../../../migrations/0002_views.sql"),
+    include_str!("../../../migrations/0003_audits.sql"),
+];
 
 /// The schema version that this program reads and writes.
 pub(crate) const SCHEMA: i64 = MIGRATIONS.len() as i64;

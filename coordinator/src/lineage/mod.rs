@@ -3,6 +3,7 @@
 //! genotype, and waits on no reader.
 
 mod checkpoint;
+mod commits;
 mod entry;
 mod error;
 mod fault;
@@ -26,9 +27,10 @@ mod tests;
 mod transaction;
 mod writer;
 
+pub(crate) use commits::Commits;
 pub use entry::{
-    Attempt, CloseGeneration, Culling, Ending, Evaluated, Event, Fate, Joined, NewExperiment, NewStage,
-    OpenGeneration, Ruling, SetAside, State,
+    Attempt, Audited, CloseGeneration, Culling, Ending, Evaluated, Event, Fate, Joined, NewExperiment,
+    NewStage, OpenGeneration, Retracted, Ruling, SetAside, State,
 };
 pub use error::{OpenError, QueryError, ReadError, WriteError};
 pub use hash::ExperimentHash;
@@ -82,6 +84,7 @@ struct Shared {
     room: Arc<Semaphore>,
     shelves: Mutex<BTreeMap<StageId, Arc<Shelf>>>,
     health: watch::Receiver<Health>,
+    commits: Commits,
     closing: watch::Sender<bool>,
     end: Arc<OnceLock<String>>,
     writer: Mutex<Option<JoinHandle<Result<(), WriteError>>>>,
@@ -117,6 +120,7 @@ impl Lineage {
         let (health, felt) = watch::channel(Health::Good);
         let (closing, closed) = watch::channel(false);
         let end = Arc::new(OnceLock::new());
+        let commits = Commits::default();
         let writer = Writer {
             connection,
             register,
@@ -124,13 +128,15 @@ impl Lineage {
             health,
             closing: closed,
             end: end.clone(),
+            commits: commits.clone(),
             wal: checkpoint::WalKeeper::start(path, options),
             lock,
         };
         let writer = Mutex::new(Some(tokio::spawn(writer.run())));
         let room = Arc::new(Semaphore::new(OUTCOMES_MAX));
         let shelves = Mutex::default();
-        let shared = Shared { identity, reader, queue, room, shelves, health: felt, closing, end, writer };
+        let health = felt;
+        let shared = Shared { identity, reader, queue, room, shelves, health, commits, closing, end, writer };
         Ok(Lineage { shared: Arc::new(shared) })
     }
 
@@ -147,6 +153,11 @@ impl Lineage {
     /// Whether what is recorded reaches the disk.
     pub fn health(&self) -> watch::Receiver<Health> {
         self.shared.health.clone()
+    }
+
+    /// What the writer has done, for a scrape.
+    pub(crate) fn commits(&self) -> &Commits {
+        &self.shared.commits
     }
 
     /// Writes experiments down as running, all or none, and gives their numbers in order.
@@ -229,6 +240,21 @@ impl Lineage {
         self.send(Queued { entry: Entry::Record(evaluated, permit), answer: None }).await
     }
 
+    /// Takes back the outcomes of an open generation that rest on the word of workers of one name alone, with those
+    /// that were inherited from them: the only rows of the lineage that are ever taken back. Nothing reads them
+    /// before their generation ends. `first` and `size` are the generation's.
+    pub async fn retract(
+        &self,
+        first: IndividualId,
+        size: u32,
+        worker: String,
+    ) -> Result<Vec<Retracted>, WriteError> {
+        let pairs = self.answer(Entry::Retract { first, size, worker }).await?;
+        let retracted =
+            |pair: &[u64]| Retracted { individual: IndividualId(pair[0]), attempts: pair[1] as u32 };
+        Ok(pairs.chunks_exact(2).map(retracted).collect())
+    }
+
     /// Returns when everything recorded before is on disk.
     pub async fn flush(&self) -> Result<(), WriteError> {
         self.answer(Entry::Flush).await.map(drop)
@@ -252,6 +278,11 @@ impl Lineage {
     /// A worker attached: from now on its name in attempts means this one.
     pub async fn worker_joined(&self, worker: Joined) -> Result<(), WriteError> {
         self.send(Queued { entry: Entry::Joined(worker), answer: None }).await
+    }
+
+    /// A worker's name is trusted no more.
+    pub async fn worker_quarantined(&self, name: String) -> Result<(), WriteError> {
+        self.send(Queued { entry: Entry::Quarantined(name), answer: None }).await
     }
 
     /// A worker went away, and why.

@@ -1,6 +1,6 @@
 //! Outcomes on their way to the disk: the hottest rows of the lineage, written many at a time.
 
-use super::entry::{Ending, Evaluated, Fate};
+use super::entry::{Ending, Evaluated, Fate, Retracted};
 use super::outcome::{FAILED, Measures, names, word};
 use super::sql::{Insert, sql};
 use super::transaction::{Refusal, Transaction};
@@ -17,6 +17,7 @@ struct OutcomeRow {
     verdict: Option<i64>,
     note: Option<String>,
     counted: Option<(u32, i64, i64)>, // attempt, worker, micros
+    audit: Option<i64>,
     measures: Measures,
 }
 
@@ -75,7 +76,8 @@ impl Transaction<'_> {
                     .bind(row.note.as_deref())
                     .bind(row.counted.map(|(attempt, _, _)| attempt))
                     .bind(row.counted.map(|(_, worker, _)| worker))
-                    .bind(row.counted.map(|(_, _, micros)| micros));
+                    .bind(row.counted.map(|(_, _, micros)| micros))
+                    .bind(row.audit);
                 let query = row.measures.numbers.iter().fold(query, |query, number| query.bind(*number));
                 query.bind(row.measures.pairs.as_deref())
             })
@@ -116,6 +118,10 @@ impl Transaction<'_> {
             Some(ruling) => Some(self.register.word(self.connection, verdict(ruling.verdict)).await?),
             None => None,
         };
+        let audit = match evaluated.audit {
+            Some(audit) => Some(self.register.word(self.connection, audit.word()).await?),
+            None => None,
+        };
         let ruled = ruling.map(|ruling| Interim { step: ruling.step, measure: ruling.measure });
         Ok(match outcome {
             Ok(outcome) => OutcomeRow {
@@ -128,6 +134,7 @@ impl Transaction<'_> {
                 verdict,
                 note: (!outcome.note.is_empty()).then(|| outcome.note.clone()),
                 counted,
+                audit,
             },
             Err(reason) => OutcomeRow {
                 individual: evaluated.individual.sql(),
@@ -139,6 +146,7 @@ impl Transaction<'_> {
                 verdict,
                 note: Some(reason.to_owned()),
                 counted,
+                audit,
             },
         })
     }
@@ -161,6 +169,30 @@ impl Transaction<'_> {
         let named = outcome.measures.iter().map(|(name, _)| name.clone()).collect();
         self.register.name_measures(stage, named);
         Ok(())
+    }
+
+    /// Takes back what rests on the word of workers of one name alone, within an open generation.
+    pub(crate) async fn retract(
+        &mut self,
+        first: IndividualId,
+        size: u32,
+        worker: &str,
+    ) -> Result<Vec<Retracted>, Refusal> {
+        if self.register.stage_of(first).is_none() {
+            let problem = format!("the generation of individual {first} is not open");
+            return Err(Refusal::Contradiction(problem));
+        }
+        let query = sqlx::query_as::<_, (i64, u32)>(sql!("doubtful"))
+            .bind(first.sql())
+            .bind(first.at(size.saturating_sub(1)).sql())
+            .bind(worker);
+        let doubtful = query.fetch_all(&mut *self.connection).await?;
+        let ids = serde_json::Value::from_iter(doubtful.iter().map(|(id, _)| *id)).to_string();
+        for statement in [sql!("retract_attempts"), sql!("retract_outcomes")] {
+            sqlx::query(statement).bind(&ids).execute(&mut *self.connection).await?;
+        }
+        let retracted = |(id, attempts)| Retracted { individual: IndividualId::of(id), attempts };
+        Ok(doubtful.into_iter().map(retracted).collect())
     }
 
     async fn inherit(&mut self, heir: IndividualId, giver: IndividualId) -> Result<(), Refusal> {

@@ -245,6 +245,17 @@ impl Reader {
         Ok(Some(ResumePoint { generation: open.number, checkpoint, culling, individuals, previous }))
     }
 
+    /// Names of workers that are trusted no more.
+    pub async fn quarantined(&self) -> Result<Vec<String>, ReadError> {
+        Ok(sqlx::query_scalar(sql!("quarantined_names")).fetch_all(self.pool()).await?)
+    }
+
+    /// Outcomes of an experiment, in generations that have ended, which rest on the word of workers of one name.
+    pub async fn unaudited(&self, experiment: ExperimentId, worker: &str) -> Result<u64, ReadError> {
+        let query = sqlx::query_scalar::<_, i64>(sql!("unaudited")).bind(experiment.sql()).bind(worker);
+        Ok(query.fetch_one(self.pool()).await?.cast_unsigned())
+    }
+
     /// The latest checkpoint of a stage: of one that has ended, its end.
     pub async fn checkpoint(&self, stage: StageId) -> Result<Option<Vec<u8>>, ReadError> {
         let row: Option<(i64, Vec<u8>)> =

@@ -356,6 +356,13 @@ impl Transaction<'_> {
         Ok(())
     }
 
+    /// A worker's name is trusted no more.
+    pub(crate) async fn worker_quarantined(&mut self, name: &str) -> Result<(), Refusal> {
+        self.register.worker(self.connection, name).await?; // so that there is a row to mark
+        sqlx::query(sql!("worker_quarantined")).bind(name).execute(&mut *self.connection).await?;
+        Ok(())
+    }
+
     /// A worker went away.
     pub(crate) async fn worker_left(&mut self, name: &str, reason: &str) -> Result<(), Refusal> {
         let id = self.register.worker(self.connection, name).await?;

@@ -2,18 +2,20 @@
 //! not reach the disk until it does. It computes nothing and reads nothing on the way of outcomes.
 
 use super::checkpoint::WalKeeper;
+use super::commits::Commits;
 use super::entry::{CloseGeneration, Evaluated, Event, Joined, NewExperiment, NewStage, State};
 use super::fault::{Fault, fault, words};
 use super::file::Lock;
 use super::register::Register;
 use super::transaction::{Checkpoint, PackedGeneration, Refusal, Transaction};
-use super::{ExperimentId, Health, StageId, WriteError};
+use super::{ExperimentId, Health, IndividualId, StageId, WriteError};
 use sqlx::sqlite::SqliteConnection;
 use sqlx::{Connection as _, Executor as _};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot, watch};
 use tokio::time::{Instant, timeout_at};
+use tracing::Instrument as _;
 
 /// Outcomes on their way, at most; who records more waits.
 pub(super) const OUTCOMES_MAX: usize = 1 << 16;
@@ -45,6 +47,12 @@ pub(super) enum Entry {
     Event(Event),
     Joined(Joined),
     Left(String, String),
+    Quarantined(String),
+    Retract {
+        first: IndividualId,
+        size: u32,
+        worker: String,
+    },
     Flush,
     /// The last one: what is queued before the channel closes is still written, and nothing after.
     Close,
@@ -70,6 +78,8 @@ impl Entry {
             Entry::Event(event) => format!("write down the event `{}`", event.kind),
             Entry::Joined(worker) => format!("welcome worker `{}`", worker.name),
             Entry::Left(name, _) => format!("take leave of worker `{name}`"),
+            Entry::Quarantined(name) => format!("quarantine worker `{name}`"),
+            Entry::Retract { worker, .. } => format!("retract outcomes of worker `{worker}`"),
             Entry::Flush => "flush".to_owned(),
             Entry::Close => "close".to_owned(),
             #[cfg(test)]
@@ -88,6 +98,7 @@ pub(super) struct Writer {
     pub(super) closing: watch::Receiver<bool>,
     /// Why nothing will ever be written again.
     pub(super) end: Arc<OnceLock<String>>,
+    pub(super) commits: Commits,
     pub(super) wal: WalKeeper,
     /// Held until the last commit.
     pub(super) lock: Lock,
@@ -154,8 +165,11 @@ impl Writer {
     async fn write(&mut self, batch: Vec<Queued>) -> Result<(), String> {
         let mut pause = RETRY.0;
         loop {
-            let error = match self.attempt(&batch).await {
+            let (began, count) = (Instant::now(), batch.iter().map(outcomes).sum());
+            let span = tracing::debug_span!("commit", entries = batch.len(), outcomes = count);
+            let error = match self.attempt(&batch).instrument(span).await {
                 Ok(answers) => {
+                    self.commits.committed(began.elapsed(), count);
                     for (queued, answer) in batch.into_iter().zip(answers) {
                         if let Some(waiting) = queued.answer {
                             let _ = waiting.send(answer); // nobody need wait to the end
@@ -167,6 +181,7 @@ impl Writer {
                 }
                 Err(error) => error,
             };
+            self.commits.failed();
             let _ = self.connection.execute("ROLLBACK").await; // SQLite may have done so itself
             let reason = words(&error);
             self.feel(Health::Stuck { reason: reason.clone() });
@@ -278,6 +293,11 @@ async fn apply(
         Entry::Event(event) => transaction.event(event).await?,
         Entry::Joined(worker) => transaction.worker_joined(worker).await?,
         Entry::Left(name, reason) => transaction.worker_left(name, reason).await?,
+        Entry::Quarantined(name) => transaction.worker_quarantined(name).await?,
+        Entry::Retract { first, size, worker } => {
+            let retracted = transaction.retract(*first, *size, worker).await?;
+            return Ok(retracted.iter().flat_map(|of| [of.individual.0, of.attempts.into()]).collect());
+        }
         Entry::Flush | Entry::Close => {}
         #[cfg(test)]
         Entry::FullFor(attempts) => {

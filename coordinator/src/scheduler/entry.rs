@@ -1,6 +1,7 @@
 //! One evaluation while it is open: its attempts, and how much it is suspected of. It is forgotten as a whole
 //! once it is settled.
 
+use super::audit::Opinion;
 use super::queue::Rank;
 use super::{Evaluation, QueueId, WorkerId};
 use crate::lineage::{Attempt, Fate, Ruling};
@@ -20,7 +21,8 @@ pub(super) struct Entry {
     pub(super) evaluation: Evaluation,
     pub(super) attempts: Vec<Tried>,
     number_next: u32,
-    pub(super) ruling: Option<Ruling>,
+    /// What workers found, of an evaluation that is audited.
+    pub(super) opinions: Vec<Opinion>,
 }
 
 /// One attempt.
@@ -39,13 +41,16 @@ pub(super) struct Tried {
     pub(super) restorable: bool,
     /// `None` while its lease lasts.
     pub(super) fate: Option<Fate>,
+    /// On its interim report.
+    pub(super) ruling: Option<Ruling>,
     pub(super) steps: u64,
     pub(super) seconds: f64,
 }
 
 impl Entry {
     pub(super) fn new(queue: QueueId, evaluation: Evaluation) -> Entry {
-        Entry { queue, evaluation, attempts: Vec::new(), number_next: 1, ruling: None }
+        let number_next = evaluation.attempts_before + 1;
+        Entry { queue, evaluation, attempts: Vec::new(), number_next, opinions: Vec::new() }
     }
 
     /// Where it stands in its queue while it waits to be handed out.
@@ -64,7 +69,7 @@ impl Entry {
     /// Writes down an attempt that was handed out.
     pub(super) fn attempt(&mut self, number: u32, worker: WorkerId, name: Arc<str>, seat: u64, alone: bool) {
         if self.attempts.len() >= ATTEMPTS_KEPT
-            && let Some(oldest) = self.attempts.iter().position(|tried| tried.fate.is_some() && !tried.strike)
+            && let Some(oldest) = self.attempts.iter().position(Tried::can_be_forgotten)
         {
             self.attempts.remove(oldest);
         }
@@ -77,6 +82,7 @@ impl Entry {
             strike: false,
             restorable: false,
             fate: None,
+            ruling: None,
             steps: 0,
             seconds: 0.0,
         });
@@ -96,9 +102,14 @@ impl Entry {
         self.attempts.iter().filter(|tried| tried.strike).count()
     }
 
-    /// Whether it gets a worker for itself alone.
+    /// Whether it gets a worker for itself alone. One that a worker has lived through kills nobody.
     pub(super) fn is_suspect(&self) -> bool {
-        self.strikes() >= STRIKES_OF_A_SUSPECT
+        self.opinions.is_empty() && self.strikes() >= STRIKES_OF_A_SUSPECT
+    }
+
+    /// Whether a worker of that name has said what it found.
+    pub(super) fn has_opined(&self, name: &str) -> bool {
+        self.opinions.iter().any(|opinion| &*opinion.worker == name)
     }
 
     /// Whether a worker of that name has a strike from it.
@@ -119,6 +130,11 @@ impl Entry {
 }
 
 impl Tried {
+    /// Opinions that wait for others are kept.
+    fn can_be_forgotten(&self) -> bool {
+        !self.strike && self.fate.as_ref().is_some_and(|fate| *fate != Fate::Confirmed)
+    }
+
     /// As it goes into the lineage. `fate` is that of an attempt whose lease lasts.
     pub(super) fn record(self, fate: &Fate) -> Attempt {
         Attempt {

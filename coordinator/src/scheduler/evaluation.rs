@@ -1,7 +1,7 @@
 //! What the scheduler is asked for and what it gives back: evaluations, reports on attempts at them, and how
 //! they were settled. It opens no genotype.
 
-use crate::lineage::{Attempt, Ruling, SetAside};
+use crate::lineage::{Attempt, Audited, Ruling, SetAside};
 use bytes::Bytes;
 use creatures::{Cull, Interim, Outcome};
 use proto::convert::{TaskHash, task_hash};
@@ -44,6 +44,10 @@ pub struct Evaluation {
     pub seed: u64,
     /// The culling rule, if there is one.
     pub cull: Option<Cull>,
+    /// Its outcome counts only once another worker finds the same.
+    pub audit: bool,
+    /// Attempts made at it before, which were taken back: numbers go on after them.
+    pub attempts_before: u32,
 }
 
 impl Evaluation {
@@ -96,6 +100,10 @@ pub struct Settled {
     pub result: Result<Outcome, SetAside>,
     /// The ruling on its interim report, if one was asked for and reached.
     pub ruling: Option<Ruling>,
+    /// What came of its audit, if it was chosen for one.
+    pub audit: Option<Audited>,
+    /// Physics steps that it would have lived on, had it not been culled: by the rule's share of the task.
+    pub steps_spared: u64,
     /// The attempts at it by number, the last [`super::ATTEMPTS_KEPT`] of them at least.
     pub attempts: Vec<Attempt>,
 }

@@ -17,6 +17,7 @@ const LOOK_EVERY_MS: u64 = 20;
 
 impl Scheduler {
     pub(super) fn hand_out(&mut self, now: Millis) {
+        self.hand_out_audits(now);
         self.place_suspects(now);
         while let (Some(&(pass, queue)), Some(&(_, least_loaded))) =
             (self.runnable.first(), self.free.first())
@@ -50,7 +51,7 @@ impl Scheduler {
                 Some(worker) => Some(worker),
                 None => {
                     // Somebody else than before as long as there is one: it may be the worker that is sick.
-                    let takers = || self.workers.values().filter(|worker| !worker.draining);
+                    let takers = || self.workers.values().filter(|worker| worker.takes());
                     let others = takers().any(|worker| !entry.has_struck(&worker.name));
                     let free = takers().filter(|worker| worker.reserved.is_none());
                     let fit = free.filter(|worker| !(others && entry.has_struck(&worker.name)));
@@ -102,7 +103,10 @@ impl Scheduler {
         for (_, evaluation) in stragglers {
             let entry = &self.evaluations[&evaluation];
             let idle = self.free.range(..(Load::BUSY, WorkerId(0)));
-            let mut others = idle.filter(|(_, id)| entry.outstanding().all(|tried| tried.worker != *id));
+            let mut others = idle.filter(|(_, id)| {
+                let has_it = entry.outstanding().any(|tried| tried.worker == *id);
+                !has_it && !entry.has_opined(&self.workers[id].name)
+            });
             if let Some(&(_, worker)) = others.next() {
                 self.lease(evaluation, worker, false, now);
             }
@@ -110,7 +114,7 @@ impl Scheduler {
     }
 
     /// Hands an evaluation to a worker.
-    fn lease(&mut self, evaluation: u64, worker: WorkerId, alone: bool, now: Millis) {
+    pub(super) fn lease(&mut self, evaluation: u64, worker: WorkerId, alone: bool, now: Millis) {
         let entry = self.evaluations.get_mut(&evaluation).expect("what is handed out is open");
         let state = self.workers.get_mut(&worker).expect("evaluations go to attached workers");
         let number = entry.number();

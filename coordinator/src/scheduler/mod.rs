@@ -7,6 +7,7 @@
 //! entry        the attempts at one open evaluation      ruling   the culling rule, as it counts
 //! hand_out     ready evaluations to free workers, suspects alone, stragglers twice
 //! settle       what becomes of an evaluation when a report comes or a worker goes
+//! audit        second opinions, and what becomes of a worker that is contradicted
 //! ```
 //!
 //! **Leases.** An evaluation is handed to one worker until the worker falls silent; a report names the attempt.
@@ -19,6 +20,7 @@
 //! it gets a worker for itself alone, and the third strike falls only there, where no neighbour can have been
 //! the cause. A failure that a worker lived to report is a strike as well, and is certain at once.
 
+mod audit;
 mod entry;
 mod evaluation;
 mod hand_out;
@@ -27,11 +29,13 @@ mod ruling;
 mod settle;
 mod worker;
 
+pub use audit::Quarantine;
 pub use entry::ATTEMPTS_KEPT;
 pub use evaluation::{Assignment, AttemptId, Conflict, Evaluation, News, Report, Settled, TaskText};
 pub use queue::QueueId;
 pub use worker::{Hello, WorkerId, WorkerInfo, WorkerState};
 
+use audit::Awaiting;
 use entry::Entry;
 use queue::Queue;
 use settle::Remembered;
@@ -79,9 +83,14 @@ pub enum Loss {
     Stalled,
     /// It broke the protocol.
     Misspoke,
+    /// Its token is good no more.
+    Expelled,
 }
 
 impl Loss {
+    /// Of attempts whose worker is trusted no more, and stays attached.
+    const QUARANTINED: &str = "worker quarantined";
+
     /// In the lineage.
     pub fn word(self) -> &'static str {
         match self {
@@ -92,6 +101,7 @@ impl Loss {
             Loss::Replaced => "attached anew",
             Loss::Stalled => "took no messages",
             Loss::Misspoke => "broke the protocol",
+            Loss::Expelled => "its token ended",
         }
     }
 
@@ -124,7 +134,11 @@ pub enum Order {
         worker: WorkerId,
         /// Why.
         loss: Loss,
+        /// How many leases ended with it.
+        leases: u64,
     },
+    /// Tell everybody that a worker is trusted no more.
+    Quarantine(Quarantine),
     /// Tell a queue's owner what is settled, and what contradicts it.
     Deliver {
         /// Whose.
@@ -133,6 +147,8 @@ pub enum Order {
         settled: Vec<Settled>,
         /// Mostly empty.
         conflicts: Vec<Conflict>,
+        /// Workers that are trusted no more, which each queue is told: mostly empty.
+        quarantined: Vec<Quarantine>,
     },
 }
 
@@ -147,6 +163,8 @@ pub struct Summary {
     pub in_flight: u64,
     /// Evaluations that wait to be handed out, paused queues included.
     pub ready: u64,
+    /// Those of them on which workers differ, and which another one must decide.
+    pub disputed: u64,
 }
 
 /// Workers that went are remembered for their counts, so many of them.
@@ -169,12 +187,19 @@ pub struct Scheduler {
     pass: u128,
     /// Suspects to be handed out, and the worker that is being emptied for each.
     suspects: BTreeMap<u64, Option<WorkerId>>,
+    /// Evaluations that wait for another opinion.
+    awaiting: Awaiting,
+    /// When two workers were last there to take evaluations.
+    company: Millis,
+    /// Names of workers that are trusted no more.
+    quarantined: BTreeSet<Arc<str>>,
     /// What a late report may contradict, oldest first.
     remembered: VecDeque<Remembered>,
     /// Workers and queues with something in their boxes, and workers to dismiss: this round's orders.
     told: BTreeSet<WorkerId>,
     delivered: BTreeSet<QueueId>,
-    dismissed: Vec<(WorkerId, Loss)>,
+    dismissed: Vec<(WorkerId, Loss, u64)>,
+    verdicts: Vec<Quarantine>,
     worker_next: u64,
     queue_next: u64,
     /// When the time was last advanced, and stragglers last looked for.
@@ -197,16 +222,25 @@ impl Scheduler {
             runnable: BTreeSet::new(),
             pass: 0,
             suspects: BTreeMap::new(),
+            awaiting: Awaiting::default(),
+            company: now,
+            quarantined: BTreeSet::new(),
             remembered: VecDeque::new(),
             told: BTreeSet::new(),
             delivered: BTreeSet::new(),
             dismissed: Vec::new(),
+            verdicts: Vec::new(),
             worker_next: 1,
             queue_next: 1,
             advanced: now,
             looked: now,
             stopped: false,
         }
+    }
+
+    /// Trusts no worker of that name, from what is known of it from before.
+    pub fn distrust(&mut self, name: &str) {
+        self.quarantined.insert(name.into());
     }
 
     /// Opens a queue. Between queues that have something ready, workers' time is shared by weight; a weight
@@ -267,6 +301,7 @@ impl Scheduler {
         self.worker_next += 1;
         let holding = hello.holding.clone();
         let mut worker = Worker::new(id, hello, now);
+        worker.quarantined = self.quarantined.contains(&worker.name);
         if let Some(at) = self.gone.iter().position(|gone| gone.name == *worker.name)
             && let Some(gone) = self.gone.remove(at)
         {
@@ -315,9 +350,10 @@ impl Scheduler {
     }
 
     /// A worker is attached no more. Its leases are void, and what it may have been running gets a strike if
-    /// that may have been the cause.
-    pub fn lose(&mut self, worker: WorkerId, loss: Loss, now: Millis) {
-        let Some(state) = self.workers.remove(&worker) else { return };
+    /// that may have been the cause. Gives the number of leases that ended so.
+    pub fn lose(&mut self, worker: WorkerId, loss: Loss, now: Millis) -> u64 {
+        let Some(state) = self.workers.remove(&worker) else { return 0 };
+        let lost_before = state.lost;
         if let Some(load) = state.filed {
             self.free.remove(&(load, worker));
         }
@@ -338,7 +374,10 @@ impl Scheduler {
         if self.gone.len() == GONE_REMEMBERED {
             self.gone.pop_front();
         }
-        self.gone.push_back(WorkerInfo { state: WorkerState::Gone, in_flight: 0, ..info });
+        let lost = info.lost - lost_before;
+        let state = if state.quarantined { WorkerState::Quarantined } else { WorkerState::Gone };
+        self.gone.push_back(WorkerInfo { state, in_flight: 0, ..info });
+        lost
     }
 
     /// Lets time pass: workers that were silent for too long, or run one evaluation for too long, are lost.
@@ -377,18 +416,23 @@ impl Scheduler {
         }
         let dismissed = std::mem::take(&mut self.dismissed).into_iter();
         let mut orders: Vec<Order> =
-            dismissed.map(|(worker, loss)| Order::Dismiss { worker, loss }).collect();
+            dismissed.map(|(worker, loss, leases)| Order::Dismiss { worker, loss, leases }).collect();
         for worker in std::mem::take(&mut self.told) {
             let Some(state) = self.workers.get_mut(&worker) else { continue };
             let (revoked, assigned) =
                 (std::mem::take(&mut state.revoked), std::mem::take(&mut state.assigned));
             orders.push(Order::Tell { worker, revoked, assigned });
         }
+        let quarantined = std::mem::take(&mut self.verdicts);
+        if !quarantined.is_empty() {
+            self.delivered.extend(self.queues.keys());
+            orders.extend(quarantined.iter().cloned().map(Order::Quarantine));
+        }
         for queue in std::mem::take(&mut self.delivered) {
             let Some(state) = self.queues.get_mut(&queue) else { continue };
             let (settled, conflicts) =
                 (std::mem::take(&mut state.settled), std::mem::take(&mut state.conflicts));
-            orders.push(Order::Deliver { queue, settled, conflicts });
+            orders.push(Order::Deliver { queue, settled, conflicts, quarantined: quarantined.clone() });
         }
         orders
     }
@@ -400,20 +444,21 @@ impl Scheduler {
 
     /// The fleet in numbers.
     pub fn summary(&self) -> Summary {
-        let taking = self.workers.values().filter(|worker| !worker.draining);
+        let taking = self.workers.values().filter(|worker| worker.takes());
         Summary {
             workers: self.workers.len() as u32,
             slots: taking.map(Worker::slots).sum(),
             in_flight: self.workers.values().map(|worker| worker.lease_count() as u64).sum(),
-            ready: self.suspects.len() as u64
+            disputed: self.awaiting.disputed() as u64,
+            ready: (self.suspects.len() + self.awaiting.len()) as u64
                 + self.queues.values().map(|queue| queue.ready.len() as u64).sum::<u64>(),
         }
     }
 
     /// Loses a worker on this side's account.
     fn dismiss(&mut self, worker: WorkerId, loss: Loss, now: Millis) {
-        self.lose(worker, loss, now);
-        self.dismissed.push((worker, loss));
+        let leases = self.lose(worker, loss, now);
+        self.dismissed.push((worker, loss, leases));
     }
 
     /// Puts a worker where its load and window say.
@@ -450,6 +495,8 @@ impl Scheduler {
     }
 }
 
+#[cfg(test)]
+mod audits;
 #[cfg(test)]
 mod properties;
 #[cfg(test)]

@@ -35,6 +35,8 @@ pub(super) enum Op {
     ReportOtherwise(char),
     /// A worker reports the outcome of whatever it began first.
     ReportFirst(char),
+    /// A worker reports other bits for whatever it began first, such as nobody else does.
+    Lie(char),
     /// The first thing that a worker runs fails; with `true`, it would on every worker.
     Fail(char, bool),
     /// A worker's stream breaks.
@@ -83,6 +85,10 @@ pub(super) struct Rig {
     pub(super) handed: Vec<u64>,
     /// The culling rule of what is submitted, and what workers measure.
     pub(super) cull: Option<Cull>,
+    /// Whether what is submitted is audited.
+    pub(super) audit: bool,
+    /// Workers that were found out.
+    pub(super) quarantined: Vec<Quarantine>,
     pub(super) events: u64,
 }
 
@@ -115,6 +121,8 @@ impl Rig {
             conflicts: Vec::new(),
             handed: Vec::new(),
             cull: None,
+            audit: false,
+            quarantined: Vec::new(),
             events: 0,
         }
     }
@@ -154,6 +162,13 @@ impl Rig {
             Op::ReportFirst(name) => {
                 if let Some(first) = self.first(name) {
                     self.report(name, first, News::Outcome(outcome(first.evaluation)));
+                }
+            }
+            Op::Lie(name) => {
+                if let Some(first) = self.first(name) {
+                    let mut lie = outcome(first.evaluation);
+                    lie.fitness += 1000.0 * f64::from(u32::from(name));
+                    self.report(name, first, News::Outcome(lie));
                 }
             }
             Op::Fail(name, lasting) => {
@@ -241,6 +256,8 @@ impl Rig {
             genotype: bytes::Bytes::new(),
             seed: id,
             cull: self.cull,
+            audit: self.audit,
+            attempts_before: 0,
         });
         let evaluations: Vec<_> = evaluations.collect();
         if self.scheduler.queues.contains_key(&self.queues[queue]) {
@@ -260,6 +277,7 @@ impl Rig {
             slots,
             window,
             holding: holding.clone(),
+            labels: BTreeMap::new(),
         };
         let id = self.scheduler.attach(hello, self.now).expect("the rig attaches nobody twice");
         self.hands.insert(name, Hand { id: Some(id), slots, window, held: holding, ..Hand::default() });
@@ -328,6 +346,7 @@ impl Rig {
                     let limit = hand.window as usize;
                     assert!(!is_handed || hand.held.len() <= limit, "a worker gets more than its window");
                 }
+                Order::Quarantine(verdict) => self.quarantined.push(verdict),
                 Order::Deliver { settled, conflicts, .. } => {
                     for one in settled {
                         let id = one.id;
@@ -351,8 +370,13 @@ impl Rig {
             assert!(out.len() < 2 || out[0].worker != out[1].worker, "{id} runs twice on one worker");
             let is_ready = state.queues[&entry.queue].ready.contains(&entry.rank());
             let is_awaiting = state.suspects.contains_key(id);
-            let places = usize::from(is_ready) + usize::from(is_awaiting) + usize::from(!out.is_empty());
-            assert_eq!(places, 1, "{id}: ready {is_ready}, suspect {is_awaiting}, out {}", out.len());
+            let is_audited = state.awaiting.holds(entry);
+            let places = [is_ready, is_awaiting, is_audited, !out.is_empty()];
+            let count = places.into_iter().filter(|&stands| stands).count();
+            assert_eq!(count, 1, "{id}: ready, suspect, awaiting an opinion, out: {places:?}");
+            assert!(is_audited || out.iter().all(|tried| !entry.has_opined(&tried.name)));
+            let honest = |opinion: &audit::Opinion| !state.quarantined.contains(&opinion.worker);
+            assert!(entry.opinions.iter().all(honest), "the word of a liar counts");
             assert!(entry.strikes() < entry::STRIKES_MAX);
             assert!(entry.attempts.len() <= ATTEMPTS_KEPT);
         }
@@ -380,6 +404,7 @@ impl Rig {
             assert!(queue.ready.iter().all(is_of_it));
         }
         assert!(state.runnable.is_empty() || state.free.is_empty(), "work waits beside a free worker");
+        assert!(state.stopped || state.next_audit().is_none(), "an audit waits beside a free worker");
         assert!(state.suspects.values().flatten().all(|worker| state.workers[worker].reserved.is_some()));
     }
 

@@ -6,8 +6,8 @@ use super::hand_out::OUTSTANDING_MAX;
 use super::{
     AttemptId, Conflict, Entry, Loss, Millis, News, QueueId, Report, Scheduler, Settled, WorkerId, ruling,
 };
-use crate::lineage::{Fate, SetAside};
-use creatures::Outcome;
+use crate::lineage::{Audited, Fate, Ruling, SetAside};
+use creatures::{Outcome, Status};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -30,7 +30,7 @@ impl Scheduler {
     /// An outcome settles its evaluation also when the lease was lost meanwhile: it is a pure function of the
     /// genotype, whoever computed it.
     pub fn report(&mut self, worker: WorkerId, report: Report, now: Millis) {
-        let Some(state) = self.workers.get_mut(&worker) else { return };
+        let Some(state) = self.workers.get_mut(&worker).filter(|worker| !worker.quarantined) else { return };
         let Report { attempt: AttemptId { evaluation, number }, seconds, news } = report;
         let Some(entry) = self.evaluations.get_mut(&evaluation) else {
             if let News::Outcome(outcome) = news {
@@ -40,38 +40,50 @@ impl Scheduler {
             return;
         };
         let Some(at) = entry.find(number, &state.name) else { return };
+        if entry.has_opined(&state.name) {
+            return;
+        }
+        let is_first = entry.attempts.len() == 1;
         let tried = &mut entry.attempts[at];
         tried.seconds = seconds;
-        let cull = entry.evaluation.cull.as_ref();
+        let (cull, is_audited) = (entry.evaluation.cull.as_ref(), entry.evaluation.audit);
         match news {
             News::Interim(interim) => {
                 tried.steps = u64::from(interim.step);
-                if let (None, Some(cull)) = (entry.ruling, cull) {
-                    entry.ruling = Some(ruling::rule(cull, interim));
+                if let (None, Some(cull)) = (tried.ruling, cull) {
+                    tried.ruling = Some(ruling::rule(cull, interim));
                 }
             }
             News::Outcome(outcome) => {
                 tried.steps = u64::from(outcome.steps);
-                let remembered = (entry.attempts.len() > 1).then(|| Remembered {
+                let remembered = (!is_first).then(|| Remembered {
                     evaluation,
                     queue: entry.queue,
                     outcome: outcome.clone(),
                     worker: state.name.clone(),
                 });
-                match ruling::admit(outcome, cull, entry.ruling) {
+                match ruling::admit(outcome, cull, tried.ruling) {
                     Ok((outcome, ruling)) => {
-                        entry.ruling = ruling;
+                        tried.ruling = ruling;
                         state.completed += 1;
                         state.busy_seconds += seconds;
-                        self.count(evaluation, at, outcome, now);
-                        remember(&mut self.remembered, remembered);
+                        if is_audited {
+                            self.opine(evaluation, at, Ok(outcome), now);
+                        } else {
+                            self.count(evaluation, at, outcome, now);
+                            remember(&mut self.remembered, remembered);
+                        }
                     }
                     Err(reason) => self.fail(evaluation, at, reason, false, now),
                 }
             }
             News::Failure { reason, lasting } => {
                 state.busy_seconds += seconds;
-                self.fail(evaluation, at, reason, lasting, now);
+                if lasting && is_audited {
+                    self.opine(evaluation, at, Err(SetAside { reason }), now);
+                } else {
+                    self.fail(evaluation, at, reason, lasting, now);
+                }
             }
         }
     }
@@ -82,14 +94,14 @@ impl Scheduler {
         let entry = self.evaluations.get_mut(&evaluation).expect("the caller has found it open");
         let tried = &mut entry.attempts[at];
         let is_leased = tried.fate.is_none();
-        let (worker, seat) = (tried.worker, tried.seat);
+        let (worker, seat, ruling) = (tried.worker, tried.seat, tried.ruling);
         tried.fate = Some(Fate::Counted);
         let queue = self.queues.get_mut(&entry.queue).expect("queues outlive their evaluations");
         queue.durations.observe(tried.seconds);
         if is_leased {
             self.release(worker, seat, evaluation, now);
         }
-        self.settle(evaluation, Ok(outcome), now);
+        self.settle(evaluation, Ok(outcome), ruling, None, now);
     }
 
     /// Ends an attempt without an outcome, which is a strike for certain. Of one whose lease was lost, nothing
@@ -105,7 +117,7 @@ impl Scheduler {
         tried.fate = Some(Fate::Failed(reason.clone()));
         self.release(worker, seat, evaluation, now);
         if lasting {
-            self.settle(evaluation, Err(SetAside { reason }), now);
+            self.set_aside(evaluation, reason, now);
         } else {
             self.retry(evaluation, now);
         }
@@ -143,6 +155,9 @@ impl Scheduler {
         let state = self.workers.get_mut(&worker).expect("the caller has attached it");
         let wanted = self.evaluations.get(&attempt.evaluation).and_then(|entry| {
             let at = entry.find(attempt.number, &state.name).filter(|&at| entry.attempts[at].restorable)?;
+            if state.quarantined || entry.has_opined(&state.name) {
+                return None;
+            }
             let is_here = entry.outstanding().any(|tried| tried.worker == worker);
             (!is_here && entry.outstanding().count() < OUTSTANDING_MAX).then_some((at, entry.queue))
         });
@@ -161,14 +176,20 @@ impl Scheduler {
     }
 
     /// After an attempt has ended in vain: another one, unless one is under way or there were too many.
-    fn retry(&mut self, evaluation: u64, now: Millis) {
+    pub(super) fn retry(&mut self, evaluation: u64, now: Millis) {
         let entry = &self.evaluations[&evaluation];
         if entry.strikes() >= STRIKES_MAX {
+            if let [_] = entry.opinions[..] {
+                // A worker has lived through it, and nobody else does.
+                return self.conclude(evaluation, 0, Audited::Skipped, now);
+            }
             let reason = entry.account();
-            self.settle(evaluation, Err(SetAside { reason }), now);
+            self.set_aside(evaluation, reason, now);
         } else if entry.outstanding().next().is_none() {
             let queue = entry.queue;
-            if entry.is_suspect() {
+            if !entry.opinions.is_empty() {
+                self.await_opinion(evaluation);
+            } else if entry.is_suspect() {
                 self.suspects.insert(evaluation, None);
             } else {
                 let rank = entry.rank();
@@ -178,15 +199,34 @@ impl Scheduler {
         }
     }
 
+    /// Settles an evaluation without an outcome.
+    fn set_aside(&mut self, evaluation: u64, reason: String, now: Millis) {
+        let ruling = self.evaluations[&evaluation].attempts.iter().find_map(|tried| tried.ruling);
+        self.settle(evaluation, Err(SetAside { reason }), ruling, None, now);
+    }
+
     /// Settles an evaluation for its owner.
-    fn settle(&mut self, evaluation: u64, result: Result<Outcome, SetAside>, now: Millis) {
+    pub(super) fn settle(
+        &mut self,
+        evaluation: u64,
+        result: Result<Outcome, SetAside>,
+        ruling: Option<Ruling>,
+        audit: Option<Audited>,
+        now: Millis,
+    ) {
         let entry = self.close(evaluation, now);
+        let culled = result.as_ref().ok().filter(|outcome| outcome.status == Status::Culled);
+        let steps_spared = culled
+            .zip(entry.evaluation.cull)
+            .map_or(0, |(outcome, cull)| (f64::from(outcome.steps) * (1.0 / cull.at - 1.0)).round() as u64);
         let fate = if result.is_ok() { Fate::Duplicate } else { Fate::Lost("set aside".to_owned()) };
         let queue = self.queues.get_mut(&entry.queue).expect("queues outlive their evaluations");
         queue.settled.push(Settled {
             id: evaluation,
             result,
-            ruling: entry.ruling,
+            ruling,
+            audit,
+            steps_spared,
             attempts: entry.attempts.into_iter().map(|tried| tried.record(&fate)).collect(),
         });
         self.delivered.insert(entry.queue);
@@ -197,12 +237,17 @@ impl Scheduler {
         let entry = self.evaluations.remove(&evaluation).expect("the caller has found it open");
         for tried in entry.outstanding() {
             self.release(tried.worker, tried.seat, evaluation, now);
-            if let Some(worker) = self.workers.get_mut(&tried.worker) {
-                worker.revoked.push(AttemptId { evaluation, number: tried.number });
-                self.told.insert(tried.worker);
-            }
+            self.revoke(tried.worker, AttemptId { evaluation, number: tried.number });
         }
         entry
+    }
+
+    /// Tells a worker that nobody needs an attempt any more.
+    pub(super) fn revoke(&mut self, worker: WorkerId, attempt: AttemptId) {
+        if let Some(state) = self.workers.get_mut(&worker) {
+            state.revoked.push(attempt);
+            self.told.insert(worker);
+        }
     }
 
     /// Ends an evaluation that nobody asks for any more.
@@ -212,7 +257,7 @@ impl Scheduler {
     }
 
     /// Takes an evaluation from where it waits to be handed out.
-    fn withdraw(&mut self, evaluation: u64) {
+    pub(super) fn withdraw(&mut self, evaluation: u64) {
         if let Some(reserved) = self.suspects.remove(&evaluation) {
             if let Some(worker) = reserved
                 && let Some(state) = self.workers.get_mut(&worker)
@@ -224,8 +269,10 @@ impl Scheduler {
         }
         let Some(entry) = self.evaluations.get(&evaluation) else { return };
         // Most evaluations are settled while leased, and stand in no queue.
-        if entry.outstanding().next().is_none()
-            && let Some(queue) = self.queues.get_mut(&entry.queue)
+        if entry.outstanding().next().is_some() || self.awaiting.remove(entry) {
+            return;
+        }
+        if let Some(queue) = self.queues.get_mut(&entry.queue)
             && queue.ready.remove(&entry.rank())
         {
             self.file_queue(entry.queue);
@@ -233,7 +280,7 @@ impl Scheduler {
     }
 
     /// Ends a lease at its worker.
-    fn release(&mut self, worker: WorkerId, seat: u64, evaluation: u64, now: Millis) {
+    pub(super) fn release(&mut self, worker: WorkerId, seat: u64, evaluation: u64, now: Millis) {
         let Some(state) = self.workers.get_mut(&worker) else { return };
         state.release(seat, now);
         if state.reserved == Some(evaluation) {

@@ -337,6 +337,7 @@ fn a_name_is_taken_while_its_worker_is_alive() {
         slots: 1,
         window: 2,
         holding: vec![],
+        labels: BTreeMap::new(),
     };
     assert_eq!(rig.scheduler.attach(hello.clone(), rig.now), Err(NameTaken("A".to_owned())));
     let later = Millis(rig.now.0 + 2 * HEARTBEAT + 1);

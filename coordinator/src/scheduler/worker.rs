@@ -24,6 +24,8 @@ pub struct Hello {
     pub window: u32,
     /// Attempts that it still runs, or whose reports it still holds.
     pub holding: Vec<AttemptId>,
+    /// What its starter says of it.
+    pub labels: BTreeMap<String, String>,
 }
 
 /// What a worker is up to.
@@ -33,6 +35,8 @@ pub enum WorkerState {
     Attached,
     /// Finishes what it runs and takes nothing new.
     Draining,
+    /// Found other bits than two others, and is trusted no more; attached or not.
+    Quarantined,
     /// Is attached no more.
     Gone,
 }
@@ -43,6 +47,7 @@ impl WorkerState {
         match self {
             WorkerState::Attached => "attached",
             WorkerState::Draining => "draining",
+            WorkerState::Quarantined => "quarantined",
             WorkerState::Gone => "gone",
         }
     }
@@ -77,6 +82,8 @@ pub struct WorkerInfo {
     pub attached: Millis,
     /// When it was last heard of.
     pub heard: Millis,
+    /// What its starter says of it.
+    pub labels: BTreeMap<String, String>,
 }
 
 /// An evaluation handed to this worker.
@@ -96,6 +103,7 @@ pub(super) struct Worker {
     pub(super) name: Arc<str>,
     host: String,
     version: String,
+    labels: BTreeMap<String, String>,
     slots: u32,
     pub(super) window: u32,
     /// Leases by seat, a number that counts up as they are handed out: a worker works in that order. The
@@ -106,6 +114,8 @@ pub(super) struct Worker {
     pub(super) attached: Millis,
     pub(super) heard: Millis,
     pub(super) draining: bool,
+    /// Is trusted no more.
+    pub(super) quarantined: bool,
     /// A suspect that it must have for itself alone: nothing else is handed to it until that has ended.
     pub(super) reserved: Option<u64>,
     pub(super) completed: u64,
@@ -134,6 +144,7 @@ impl Worker {
             name: hello.name.into(),
             host: hello.host,
             version: hello.version,
+            labels: hello.labels,
             slots: hello.slots.max(1),
             window: hello.window.max(1),
             running: BTreeMap::new(),
@@ -142,6 +153,7 @@ impl Worker {
             attached: now,
             heard: now,
             draining: false,
+            quarantined: false,
             reserved: None,
             completed: 0,
             lost: 0,
@@ -190,9 +202,14 @@ impl Worker {
         Load(((self.lease_count() as u64) << 16) / u64::from(self.slots))
     }
 
+    /// Whether it is there to be handed anything at all.
+    pub(super) fn takes(&self) -> bool {
+        !self.draining && !self.quarantined
+    }
+
     /// Whether it can be handed another evaluation that does not ask for solitude.
     pub(super) fn can_take_more(&self) -> bool {
-        !self.draining && self.reserved.is_none() && self.lease_count() < self.window as usize
+        self.takes() && self.reserved.is_none() && self.lease_count() < self.window as usize
     }
 
     pub(super) fn info(&self) -> WorkerInfo {
@@ -203,13 +220,18 @@ impl Worker {
             version: self.version.clone(),
             slots: self.slots,
             window: self.window,
-            state: if self.draining { WorkerState::Draining } else { WorkerState::Attached },
+            state: match self {
+                Worker { quarantined: true, .. } => WorkerState::Quarantined,
+                Worker { draining: true, .. } => WorkerState::Draining,
+                _ => WorkerState::Attached,
+            },
             in_flight: self.lease_count() as u32,
             completed: self.completed,
             lost: self.lost,
             busy_seconds: self.busy_seconds,
             attached: self.attached,
             heard: self.heard,
+            labels: self.labels.clone(),
         }
     }
 }

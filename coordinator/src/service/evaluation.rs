@@ -222,6 +222,8 @@ fn read(request: v1::EvaluateGenotype, current: &Current) -> Result<Evaluation, 
         genotype: genotype.payload.to_vec().into(),
         seed: request.seed,
         cull: cull.map_err(|error| error.within("genotype.cull").to_string())?,
+        audit: false,
+        attempts_before: 0,
     })
 }
 

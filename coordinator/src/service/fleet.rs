@@ -1,6 +1,7 @@
 //! The fleet's service: takes workers in by their hello, and passes on what they say. Who gets what is the
 //! fleet's to decide.
 
+use crate::credentials::Admission;
 use crate::fleet::{Fleet, Mouth, WorkerInfo};
 use crate::scheduler::{AttemptId, Hello, News, Report};
 use creatures::{Interim, Outcome};
@@ -10,6 +11,8 @@ use proto::v1::fleet_server::FleetServer;
 use proto::v1::worker_message::Kind;
 use proto::{MESSAGE_SIZE_MAX, PROTOCOL, v1};
 use std::convert::Infallible;
+use std::future::pending;
+use std::pin::pin;
 use std::time::Duration;
 use tokio::sync::oneshot;
 use tokio::time::timeout;
@@ -24,6 +27,9 @@ const WINDOW_MAX: u32 = 65_536;
 const NAME_SIZE_MAX: usize = 128;
 /// The longest version, bytes.
 const VERSION_SIZE_MAX: usize = 64;
+/// The most labels of a worker, and the longest key or value of one, bytes.
+const LABELS_MAX: usize = 16;
+const LABEL_SIZE_MAX: usize = 64;
 /// From the call to the hello.
 const HELLO_TIMEOUT: Duration = Duration::from_secs(10);
 /// For a worker to hang up after its stream was closed.
@@ -50,6 +56,7 @@ impl v1::fleet_server::Fleet for FleetService {
         &self,
         request: Request<Streaming<v1::WorkerMessage>>,
     ) -> Result<Response<Self::AttachStream>, Status> {
+        let admission = request.extensions().get::<Admission>().cloned();
         let mut incoming = request.into_inner();
         let first = timeout(HELLO_TIMEOUT, incoming.message())
             .await
@@ -57,14 +64,18 @@ impl v1::fleet_server::Fleet for FleetService {
         let Some(v1::WorkerMessage { kind: Some(Kind::Hello(hello)) }) = first else {
             return Err(Refusal::Hello("it must come first".to_owned()).into());
         };
-        let fingerprint = self.vet(&hello)?;
-        let hello = self.introduce(hello)?;
-        let attachment = self
-            .fleet
-            .attach(hello, fingerprint)
-            .await
-            .ok_or_else(|| Status::unavailable("the coordinator goes away"))??;
-        tokio::spawn(listen(incoming, attachment.mouth(), attachment.closed));
+        let (name, host) = (hello.name.clone(), hello.host.clone());
+        let admitted = match self.vet(&hello).and_then(|print| Ok((self.introduce(hello)?, print))) {
+            Ok((hello, fingerprint)) => self
+                .fleet
+                .attach(hello, fingerprint)
+                .await
+                .ok_or_else(|| Status::unavailable("the coordinator goes away"))?,
+            Err(refusal) => Err(refusal),
+        };
+        let attachment = admitted
+            .inspect_err(|refusal| self.fleet.turned_away(&printable(&name), &printable(&host), refusal))?;
+        tokio::spawn(listen(incoming, attachment.mouth(), attachment.closed, admission));
         Ok(Response::new(ReceiverStream::new(attachment.messages)))
     }
 
@@ -74,7 +85,7 @@ impl v1::fleet_server::Fleet for FleetService {
     ) -> Result<Response<v1::WorkersReply>, Status> {
         let workers = self.fleet.workers().await;
         let workers = workers.into_iter().map(|worker| self.render(worker)).collect();
-        Ok(Response::new(v1::WorkersReply { workers }))
+        Ok(Response::new(v1::WorkersReply { workers, notes: self.fleet.notes() }))
     }
 }
 
@@ -120,6 +131,14 @@ impl FleetService {
             let text = "`name` must not be empty, and neither it nor `host` have control characters";
             return Err(Refusal::Hello(text.to_owned()));
         }
+        let is_legal =
+            |text: &str| (1..=LABEL_SIZE_MAX).contains(&text.len()) && !text.chars().any(char::is_control);
+        if hello.labels.len() > LABELS_MAX || !hello.labels.iter().all(|(k, v)| is_legal(k) && is_legal(v)) {
+            return Err(Refusal::Hello(format!(
+                "`labels` has more than {LABELS_MAX}, or one that is empty, over {LABEL_SIZE_MAX} bytes or has control \
+                 characters"
+            )));
+        }
         between("slots", hello.slots, SLOTS_MAX)?;
         between("window", hello.window, WINDOW_MAX)?;
         let limit = (WINDOW_MAX + SLOTS_MAX) as usize;
@@ -137,6 +156,7 @@ impl FleetService {
             slots: hello.slots,
             window: hello.window,
             holding: holding.into_iter().map(attempt).collect(),
+            labels: hello.labels,
         })
     }
 
@@ -155,6 +175,7 @@ impl FleetService {
             busy_seconds: worker.busy_seconds,
             attached_ms: self.fleet.unix_ms(worker.attached),
             heard_ms: self.fleet.unix_ms(worker.heard),
+            labels: worker.labels,
         }
     }
 }
@@ -164,11 +185,23 @@ async fn listen(
     mut incoming: Streaming<v1::WorkerMessage>,
     mouth: Mouth,
     mut closed: oneshot::Receiver<Infallible>,
+    admission: Option<Admission>,
 ) {
+    let mut expelled = pin!(async {
+        match admission {
+            Some(admission) => admission.ended().await,
+            None => pending().await,
+        }
+    });
     loop {
         let message = tokio::select! {
-            message = incoming.message() => message,
+            biased; // so that a simulation replays
             _ = &mut closed => break,
+            denied = &mut expelled => {
+                mouth.expelled(denied.into()).await;
+                break;
+            }
+            message = incoming.message() => message,
         };
         let passed = match message {
             Ok(Some(message)) => pass_on(message, &mouth).await,
@@ -206,6 +239,11 @@ async fn pass_on(message: v1::WorkerMessage, mouth: &Mouth) -> Result<(), Status
         None => return Err(Status::invalid_argument("a message of an unknown kind")),
     }
     Ok(())
+}
+
+/// A stranger's word about itself, short and without control characters.
+fn printable(word: &str) -> String {
+    word.chars().take(64).collect::<String>().escape_debug().to_string()
 }
 
 fn attempt(v1::Attempt { evaluation, number }: v1::Attempt) -> AttemptId {

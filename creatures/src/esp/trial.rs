@@ -5,7 +5,9 @@ use super::brain::{Circuit, TICK};
 use super::fitness::setup::LIGHT_STRENGTH;
 use super::fitness::{Moment, Record, Setup, Target};
 use super::syllabus::Sensor;
+use crate::Observer;
 use crate::math::{atan2, cos, sin, wrap_angle};
+use crate::record::{Frame, Part, Pose, Scene, Shape};
 use glam::{DQuat, DVec3};
 
 /// The most lights of a trial.
@@ -39,6 +41,12 @@ pub trait Living {
     /// # Errors
     /// What went wrong in the physics; the creature is not stepped again.
     fn step(&mut self, activations: &[f64]) -> Result<(), Self::Fault>;
+
+    /// What there is to see besides the lights, its own parts first.
+    fn scene(&self) -> Scene;
+
+    /// Where that is.
+    fn frame(&self) -> Frame;
 }
 
 /// A creature's state.
@@ -69,6 +77,19 @@ pub struct Light {
     pub strength: f64,
 }
 
+/// The lights of a moment; those that there are stand in front.
+#[derive(Debug, Clone, Copy, Default)]
+struct Lights {
+    all: [Light; LIGHTS_MAX],
+    count: usize,
+}
+
+impl Lights {
+    fn as_slice(&self) -> &[Light] {
+        &self.all[..self.count]
+    }
+}
+
 /// Where a trial started: what positions, headings and lights are measured from.
 #[derive(Debug, Clone, Copy)]
 struct Origin {
@@ -78,7 +99,41 @@ struct Origin {
     rotation: DQuat,
 }
 
-/// Lives one trial to its end and records it; `record` is emptied first.
+/// Who watches the trials, and which one begins next.
+pub struct Show<'a> {
+    /// Is shown every trial.
+    pub observer: &'a mut dyn Observer,
+    /// Of the next trial, from 0.
+    pub number: u32,
+}
+
+impl Show<'_> {
+    fn begin<L: Living>(&mut self, creature: &L, lights: &[Light]) {
+        self.observer.trial(self.number, &|| {
+            let mut scene = creature.scene();
+            scene.parts.extend(lights.iter().enumerate().map(|(index, light)| Part {
+                name: format!("light {index}"),
+                creature: None,
+                shapes: vec![Shape::Light { strength: light.strength }],
+            }));
+            scene
+        });
+        self.number += 1;
+        self.observer.frame(0.0, &|| frame(creature, lights));
+    }
+
+    fn go_on<L: Living>(&mut self, creature: &L, seconds: f64, lights: &dyn Fn() -> Lights) {
+        self.observer.frame(seconds, &|| frame(creature, lights().as_slice()));
+    }
+}
+
+fn frame<L: Living>(creature: &L, lights: &[Light]) -> Frame {
+    let mut frame = creature.frame();
+    frame.poses.extend(lights.iter().map(|light| Pose::at(light.position)));
+    frame
+}
+
+/// Lives one trial to its end and records it; `record` is emptied first. `show` is for who wants to see it.
 ///
 /// The circuit is a fresh one. At each step the brain reads the state and the lights of that moment, the muscles
 /// act, the world moves on.
@@ -90,6 +145,7 @@ pub fn live<L: Living>(
     circuit: &mut Circuit,
     setup: &Setup,
     record: &mut Record,
+    show: &mut Show,
 ) -> Result<(), L::Fault> {
     let origin = Origin::of(&creature.state());
     if let Some(target) = setup.target {
@@ -101,10 +157,10 @@ pub fn live<L: Living>(
     record.ended = false;
     record.has_muscles = strength > 0.0;
     record.moments.push(origin.moment(creature, setup.target, 0.0, 0.0));
+    show.begin(creature, origin.lights(setup.target, 0.0).as_slice());
     for step in 0..setup.steps() {
         let lights = origin.lights(setup.target, step as f64 * TICK);
-        let lights = &lights[..setup.target.map_or(0, |target| target.lights())];
-        sense(creature, lights, circuit);
+        sense(creature, lights.as_slice(), circuit);
         let activations = circuit.tick();
         let effort: f64 =
             creature.strengths().iter().zip(activations).map(|(most, share)| most * share).sum();
@@ -112,6 +168,8 @@ pub fn live<L: Living>(
         let effort = if strength > 0.0 { effort / strength } else { 0.0 };
         let before = record.last().yaw;
         record.moments.push(origin.moment(creature, setup.target, effort, before));
+        let seconds = (step + 1) as f64 * TICK;
+        show.go_on(creature, seconds, &|| origin.lights(setup.target, seconds));
         if setup.end.is_met(&record.moments[1..]) {
             record.ended = true;
             break;
@@ -149,11 +207,12 @@ impl Origin {
         self.rotation.inverse() * (position - self.point)
     }
 
-    /// The lights of a target after so many seconds; those that it has are in front.
-    fn lights(&self, target: Option<Target>, seconds: f64) -> [Light; LIGHTS_MAX] {
-        let mut lights = [Light::default(); LIGHTS_MAX];
+    /// The lights of a target after so many seconds.
+    fn lights(&self, target: Option<Target>, seconds: f64) -> Lights {
+        let mut lights = Lights::default();
         if let Some(target) = target {
-            for (index, light) in lights.iter_mut().enumerate().take(target.lights()) {
+            lights.count = target.lights();
+            for (index, light) in lights.all.iter_mut().enumerate().take(lights.count) {
                 let position = self.to_world(target.light(index, seconds));
                 *light = Light { position, strength: LIGHT_STRENGTH };
             }

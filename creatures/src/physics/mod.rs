@@ -1,3 +1,4 @@
 //! The physics engines, each where it belongs.
 
 pub mod articulated;
+pub mod contact;

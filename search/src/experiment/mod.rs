@@ -15,7 +15,7 @@ pub use published::Published;
 use crate::checkpoint::RestoreError;
 use crate::culling::Culling;
 use crate::registry::Plan;
-use crate::{Search, registry};
+use crate::{Place, Search, registry};
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -38,7 +38,7 @@ pub struct Experiment {
     pub seed: u64,
     /// Independent repetitions.
     pub runs: u32,
-    /// Share of evaluations that are run twice and compared: 0, the only value that this release takes.
+    /// Share of evaluations that count only once two workers found the same bits (design: determinism).
     pub audit: f64,
     task: Value,
     kind: &'static registry::Kind,
@@ -148,6 +148,11 @@ impl Experiment {
     /// The culling rule, unless culling is off.
     pub fn culling(&self) -> Option<&Culling> {
         self.culling.as_ref()
+    }
+
+    /// Whether the individual of a place is audited. Its outcome does not depend on that.
+    pub fn audits(&self, seed: u64, place: Place) -> bool {
+        self.audit > 0.0 && place.stream(seed, "audit").chance(self.audit)
     }
 
     /// What the system's interim measure is called in an outcome; see [`Culling::cutoff`].

@@ -70,10 +70,6 @@ impl Top {
         if !(0.0..=1.0).contains(&self.audit) {
             return Err(SpecError::new("audit", format!("{} is not within [0, 1]", self.audit)));
         }
-        if self.audit != 0.0 {
-            let problem = "audits come with a later release; only 0 is taken in this one";
-            return Err(SpecError::new("audit", problem));
-        }
         // Last: a file whose name is left out cannot be read on.
         let names = [("name", Some(&self.name)), ("group", self.group.as_ref())];
         for (key, name) in names.into_iter().filter_map(|(key, name)| Some((key, name?))) {

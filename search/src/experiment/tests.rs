@@ -129,7 +129,7 @@ fn every_bad_file_is_told_what_is_wrong_where_and_what_is_allowed() {
         assert!(WALKER.contains(from), "{from}");
         WALKER.replacen(from, to, 1)
     };
-    let many = "name = \"last\"\nsystem = \"walker\"\nsead = 3\nruns = 0\naudit = 0.1\n\
+    let many = "name = \"last\"\nsystem = \"walker\"\nsead = 3\nruns = 0\naudit = 1.1\n\
                 [task]\nbody = \"craler\"\nphi = \"ten\"\nwrld = 1\n[task.world]\nfriction_limb = -1\n\
                 [search]\nkind = \"grn\"\npopulation = 1.5\n[search.grn]\nmat = 0.5\ntournament = 0\n\
                 [culling]\nat = 1.0\nfracton = 0.2\n";
@@ -146,7 +146,7 @@ fn every_bad_file_is_told_what_is_wrong_where_and_what_is_allowed() {
         ("a seed without room", edit("[task]", "seed = 9223372036854775807\n[task]")),
         ("no number", edit("[task]", "audit = nan\n[task]")),
         ("a date", edit("[task]", "seed = 2026-01-01\n[task]")),
-        ("an audit", edit("[task]", "audit = 0.02\n[task]")),
+        ("an audit of more than all", edit("[task]", "audit = 1.02\n[task]")),
         ("an unknown system", edit("\"walker\"", "\"walkers\"")),
         ("no system", edit("system = \"walker\"", "")),
         ("no body", edit("body = \"crawler\"", "")),

@@ -97,12 +97,16 @@ struct Stage {
 
 impl Stage {
     async fn set(slots: usize) -> Stage {
+        Stage::set_with(slots, |config| config).await
+    }
+
+    async fn set_with(slots: usize, change: impl FnOnce(Config) -> Config) -> Stage {
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let url = format!("http://{}", listener.local_addr().unwrap());
         let (sender, links) = mpsc::channel(8);
         let server = tonic::transport::Server::builder().add_service(FleetServer::new(Door(sender)));
         tokio::spawn(server.serve_with_incoming(TcpListenerStream::new(listener)));
-        let config = Config { systems, ..Config::new(&url).unwrap().with_slots(slots).unwrap() };
+        let config = change(Config { systems, ..Config::new(&url).unwrap().with_slots(slots).unwrap() });
         let (drain, drained) = oneshot::channel();
         let worker = tokio::spawn(run(config, async move { drop(drained.await) }));
         Stage { links, worker, drain: Some(drain) }
@@ -444,17 +448,69 @@ async fn short_evaluations_widen_the_window_and_share_messages() {
     let task = v1::Task::named("probe", 1, "{}");
     link.say(Incoming::Task(task.clone())).await;
     link.assign((0..5000).map(|evaluation| assignment(evaluation, &task, "dna")).collect()).await;
-    let (mut reports, mut messages, mut window) = (0, 0, hello.window);
-    while reports < 5000 || window == hello.window {
+    let (mut reports, mut messages, mut widest) = (0, 0, hello.window);
+    while reports < 5000 || widest == hello.window {
         match link.hear().await {
             Some(Outgoing::Reports(batch)) => {
                 reports += batch.reports.len();
                 messages += 1;
             }
-            Some(Outgoing::Window(wider)) => window = wider.evaluations,
+            Some(Outgoing::Window(window)) => widest = widest.max(window.evaluations),
             other => assert!(matches!(other, Some(Outgoing::Heartbeat(_))), "{other:?}"),
         }
     }
-    assert!(window > 64, "a window of {window} for evaluations of some microseconds");
+    assert!(widest > 64, "a window of {widest} for evaluations of some microseconds");
     assert!(messages < 2500, "{messages} messages for 5000 reports");
+}
+
+#[tokio::test]
+async fn what_still_runs_when_the_grace_is_over_is_given_back() {
+    let grace = Duration::from_millis(50);
+    let mut stage = Stage::set_with(1, |config| Config { grace, ..config }).await;
+    let (mut link, _) = stage.welcome(b"here").await;
+    let task = actor();
+    link.say(Incoming::Task(task.clone())).await;
+    link.assign(vec![assignment(1, &task, "sleep"), assignment(2, &task, "never begun")]).await;
+    sleep(Duration::from_millis(100)).await;
+    stage.drain();
+    assert_eq!(link.drain().await, [2], "at once");
+    assert_eq!(link.drain().await, [1], "after the grace, before its 300 ms are over");
+    assert!(link.hear().await.is_none(), "and it hangs up");
+    drop(link);
+    stage.end().await.unwrap();
+}
+
+#[tokio::test]
+async fn a_worker_leaves_when_its_time_is_over() {
+    let time_limit = Some(Duration::from_millis(200));
+    let mut stage = Stage::set_with(1, |config| Config { time_limit, ..config }).await;
+    let (mut link, _) = stage.welcome(b"here").await;
+    assert!(link.drain().await.is_empty());
+    assert!(link.hear().await.is_none());
+    drop(link);
+    stage.end().await.unwrap();
+}
+
+#[tokio::test]
+async fn a_worker_leaves_when_it_was_idle_for_too_long_and_not_while_it_is_busy() {
+    let idle_timeout = Some(Duration::from_millis(200));
+    let mut stage = Stage::set_with(1, |config| Config { idle_timeout, ..config }).await;
+    let (mut link, _) = stage.welcome(b"here").await;
+    let task = actor();
+    link.say(Incoming::Task(task.clone())).await;
+    // Busy for longer than the timeout, and all of it is reported.
+    link.assign(vec![assignment(1, &task, "sleep"), assignment(2, &task, "sleep")]).await;
+    assert_eq!(link.reports(2).await.len(), 2);
+    assert!(link.drain().await.is_empty());
+    assert!(link.hear().await.is_none());
+    drop(link);
+    stage.end().await.unwrap();
+}
+
+#[tokio::test]
+async fn a_hello_says_what_the_starter_says_of_the_worker() {
+    let label = ("rack".to_owned(), "2".to_owned());
+    let mut stage = Stage::set_with(1, |config| config.with_labels(&[label.clone()]).unwrap()).await;
+    let (_link, hello) = stage.welcome(b"here").await;
+    assert_eq!(hello.labels.into_iter().collect::<Vec<_>>(), [label]);
 }

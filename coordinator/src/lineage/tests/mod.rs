@@ -169,7 +169,7 @@ fn settled(individual: IndividualId, outcome: Outcome) -> Evaluated {
         verdict: Verdict::Pass,
     });
     let attempts = vec![counted("w1")];
-    Evaluated { individual, ending: Ending::Settled(Ok(outcome)), ruling, attempts }
+    Evaluated { individual, ending: Ending::Settled(Ok(outcome)), ruling, audit: None, attempts }
 }
 
 fn counted(worker: &str) -> Attempt {

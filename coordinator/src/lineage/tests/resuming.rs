@@ -15,6 +15,7 @@ async fn a_kill_loses_what_was_not_flushed_and_nothing_else() {
         individual: second[1],
         ending: Ending::Settled(set_aside.clone()),
         ruling: None,
+        audit: None,
         attempts: vec![],
     };
     house.lineage.record(vec![failed]).await.unwrap();

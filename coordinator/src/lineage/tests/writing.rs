@@ -59,12 +59,14 @@ async fn everything_written_is_read_again() {
             individual: second[2],
             ending: Ending::Settled(set_aside),
             ruling: None,
+            audit: None,
             attempts: vec![failed],
         },
         Evaluated {
             individual: second[3],
             ending: Ending::Inherits(first[3]),
             ruling: None,
+            audit: None,
             attempts: vec![],
         },
     ];
@@ -289,4 +291,85 @@ async fn closing_gives_up_what_the_disk_does_not_take_and_says_so() {
     let closed = tokio::time::timeout(Duration::from_secs(20), house.lineage.clone().close()).await.unwrap();
     assert!(matches!(closed, Err(WriteError::Closed { .. })), "{closed:?}");
     assert!(matches!(house.lineage.flush().await, Err(WriteError::Closed { .. })));
+}
+
+#[tokio::test]
+async fn what_rests_on_the_word_of_a_liar_alone_is_taken_back_from_an_open_generation() {
+    let house = House::new().await;
+    let (experiment, stage) = house.begin("lied to").await;
+    let by = |id, worker: &str, number| Evaluated {
+        attempts: vec![Attempt { number, ..counted(worker) }],
+        ..settled(id, outcome(1.0))
+    };
+    let first = house.generation(stage, 1, 1).await;
+    house.lineage.record(vec![by(first[0], "liar", 1)]).await.unwrap();
+    let mut next = opening(stage, 2, 6);
+    let giver = Place { stage: 0, generation: 2, index: 0 };
+    next.individuals[4] = Individual { inherits: Some(giver), ..next.individuals[0].clone() };
+    let heir_of_heir = Place { index: 4, ..giver };
+    next.individuals[5] = Individual { inherits: Some(heir_of_heir), ..next.individuals[0].clone() };
+    for individual in &mut next.individuals {
+        individual.parents.clear();
+    }
+    let ids = house.lineage.open_generation(next).await.unwrap();
+    let inherits = |heir, giver| Evaluated {
+        ending: Ending::Inherits(giver),
+        ruling: None,
+        attempts: vec![],
+        ..settled(heir, outcome(1.0))
+    };
+    let failed = Attempt { fate: Fate::Failed("cannot be".to_owned()), ..counted("liar") };
+    let set_aside = Ending::Settled(Err(SetAside { reason: "cannot be".to_owned() }));
+    house
+        .lineage
+        .record(vec![
+            by(ids[0], "liar", 3),
+            Evaluated { audit: Some(Audited::Agreed), ..by(ids[1], "liar", 1) },
+            by(ids[2], "honest", 1),
+            Evaluated { ending: set_aside, ruling: None, attempts: vec![failed], ..by(ids[3], "liar", 1) },
+            inherits(ids[4], ids[0]),
+            inherits(ids[5], ids[4]),
+        ])
+        .await
+        .unwrap();
+    let retracted = house.lineage.retract(ids[0], 6, "liar".to_owned()).await.unwrap();
+    let expected = [(0, 3), (3, 1), (4, 0), (5, 0)]
+        .map(|(index, attempts): (usize, u32)| Retracted { individual: ids[index], attempts });
+    assert_eq!(retracted, expected);
+    let pending = house.all("SELECT id FROM v_individuals WHERE status = 'pending' ORDER BY id").await;
+    assert_eq!(pending, expected.map(|one| vec![Cell::Integer(one.individual.sql())]));
+    let fates = "SELECT attempt, fate FROM v_evaluations WHERE worker = 'liar' ORDER BY individual";
+    let fate = |number, fate: &str| vec![Cell::Integer(number), Cell::Text(fate.to_owned())];
+    let told = [fate(1, "counted"), fate(3, "retracted"), fate(1, "counted"), fate(1, "failed:cannot be")];
+    assert_eq!(house.all(fates).await, told);
+    // What has ended stands, and is counted.
+    assert_eq!(house.lineage.reader().unaudited(experiment, "liar").await.unwrap(), 1);
+    let refused = house.lineage.retract(first[0], 1, "liar".to_owned()).await.unwrap_err();
+    assert!(refused.to_string().contains("retract outcomes of worker `liar`"), "{refused}");
+    // Found again, it stands as anybody's.
+    house.lineage.record(vec![by(ids[0], "honest", 4)]).await.unwrap();
+    house.lineage.flush().await.unwrap();
+    let again = format!("SELECT worker FROM v_individuals WHERE id = {}", ids[0]);
+    assert_eq!(house.one(&again).await, Cell::Text("honest".to_owned()));
+}
+
+#[tokio::test]
+async fn a_name_that_is_trusted_no_more_stays_so() {
+    let house = House::new().await;
+    let joined = |name: &str| Joined {
+        name: name.to_owned(),
+        host: "here".to_owned(),
+        slots: 1,
+        version: "1".to_owned(),
+        fingerprint: [7; 32],
+    };
+    house.lineage.worker_joined(joined("liar")).await.unwrap();
+    house.lineage.worker_joined(joined("honest")).await.unwrap();
+    house.lineage.worker_quarantined("liar".to_owned()).await.unwrap();
+    let house = house.reopened().await;
+    assert_eq!(house.lineage.reader().quarantined().await.unwrap(), ["liar"]);
+    house.lineage.worker_joined(joined("liar")).await.unwrap();
+    house.lineage.flush().await.unwrap();
+    let marked = "SELECT count(*) FROM v_workers WHERE name = 'liar' AND quarantined_ms IS NOT NULL";
+    assert_eq!(house.one(marked).await, Cell::Integer(2));
 }

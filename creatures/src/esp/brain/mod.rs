@@ -8,7 +8,7 @@ pub mod node;
 
 pub use circuit::{Circuit, Forced};
 pub use genotype::{Brain, Control, Instances, Node, Output, Seal, Source, Target};
-pub use node::{NodeKind, TICK};
+pub use node::{NodeKind, TICK, clamp};
 
 #[cfg(test)]
 pub(super) mod tests;

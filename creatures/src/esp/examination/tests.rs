@@ -1,6 +1,7 @@
 //! Examinations of puppets.
 
 use super::*;
+use crate::Nobody;
 use crate::esp::fitness::Start;
 use crate::esp::fitness::tests::context;
 use crate::esp::trial::tests::{Broken, Puppet, constant, seeker};
@@ -11,9 +12,13 @@ fn test(fitness: serde_json::Value, stop_below: Option<f64>) -> Test {
     Test { skill: SkillId(0), fitness: Fitness::read(&fitness).unwrap(), stop_below }
 }
 
-fn examine(brain: &Brain, spawn: impl FnMut(&Setup) -> Result<Puppet, Broken>, tests: &[Test]) -> Report {
+fn examine(
+    brain: &Brain,
+    spawn: impl FnMut(&Setup) -> Result<Puppet, Broken>,
+    tests: &[Test],
+) -> Report<Broken> {
     let body = Puppet::body();
-    Candidate { brain, body: &body, spawn }.examine(tests, &context())
+    Candidate { brain, body: &body, spawn }.examine(tests, &context(), &mut Nobody)
 }
 
 fn healthy(_: &Setup) -> Result<Puppet, Broken> {
@@ -95,7 +100,7 @@ fn a_fault_costs_one_trial_and_is_told() {
     let result = &report.tests[0];
     assert!(result.trials[0] > 0.5);
     assert_eq!(result.trials[1..], [0.0, 0.0]);
-    assert_eq!(result.faults, [(1, "broken at step 60".to_owned()), (2, "broken at step 0".to_owned())]);
+    assert_eq!(result.faults, [(1, Broken(60)), (2, Broken(0))]);
     assert!((result.score - result.trials[0] / 3.0).abs() < 1e-12);
     assert_eq!(report.steps, 240 + 60);
 }

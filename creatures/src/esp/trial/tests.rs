@@ -6,6 +6,7 @@ use crate::esp::brain::{Brain, Control, Forced, Instances, Node, NodeKind, Outpu
 use crate::esp::fitness::tests::context;
 use crate::esp::fitness::{End, Form, Start};
 use crate::esp::syllabus::SkillId;
+use crate::{Nobody, Observer};
 use std::f64::consts::PI;
 
 /// Muscle 0 drives it ahead at 1 m/s, muscle 1 turns it left and muscle 2 right at π/2 rad/s. Its receptors look
@@ -21,12 +22,6 @@ pub(in crate::esp) struct Puppet {
 
 #[derive(Debug, PartialEq, Eq)]
 pub(in crate::esp) struct Broken(pub(in crate::esp) usize);
-
-impl std::fmt::Display for Broken {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
-        write!(formatter, "broken at step {}", self.0)
-    }
-}
 
 impl Puppet {
     pub(in crate::esp) fn at(x: f64, y: f64, heading: f64) -> Puppet {
@@ -88,6 +83,24 @@ impl Living for Puppet {
         }
         Ok(())
     }
+
+    fn scene(&self) -> Scene {
+        let point = Part { name: "point".to_owned(), creature: Some(0), shapes: vec![Shape::Point] };
+        Scene {
+            length_unit: "m".to_owned(),
+            time_unit: "s".to_owned(),
+            step: TICK,
+            up: DVec3::Z,
+            forward: DVec3::X,
+            creatures: vec!["puppet".to_owned()],
+            parts: vec![point],
+            props: Vec::new(),
+        }
+    }
+
+    fn frame(&self) -> Frame {
+        Frame { centers: vec![self.state.centre], poses: vec![Pose::at(self.state.centre)] }
+    }
 }
 
 /// An open control of the first skill that drives the three muscles from three nodes.
@@ -120,7 +133,8 @@ fn record(brain: &Brain, creature: &mut Puppet, setup: &Setup) -> (Record, Resul
     let forced = [Forced { skill: SkillId(0), sigma: 1.0 }];
     let mut circuit = Circuit::new(brain, &Puppet::body(), context().syllabus, &forced);
     let mut record = Record::default();
-    let end = live(creature, &mut circuit, setup, &mut record);
+    let mut show = Show { observer: &mut Nobody, number: 0 };
+    let end = live(creature, &mut circuit, setup, &mut record, &mut show);
     (record, end)
 }
 
@@ -205,4 +219,37 @@ fn a_fault_ends_a_trial_where_it_is() {
     let mut creature = Puppet { breaks: Some(7), ..Puppet::at(0.0, 0.0, 0.0) };
     let (record, end) = record(&constant([1.0; 3]), &mut creature, &setup(None, End::Never));
     assert_eq!((end, record.lived().len()), (Err(Broken(7)), 7));
+}
+
+/// Who watches sees every step, and the lights where they are.
+#[test]
+fn a_trial_can_be_watched() {
+    #[derive(Default)]
+    struct Watcher {
+        trials: Vec<(u32, usize)>,
+        frames: Vec<(f64, Frame)>,
+    }
+    impl Observer for Watcher {
+        fn trial(&mut self, number: u32, scene: &dyn Fn() -> Scene) {
+            self.trials.push((number, scene().parts.len()));
+        }
+        fn frame(&mut self, time: f64, frame: &dyn Fn() -> Frame) {
+            self.frames.push((time, frame()));
+        }
+    }
+    let mut watcher = Watcher::default();
+    let forced = [Forced { skill: SkillId(0), sigma: 1.0 }];
+    let circuit = Circuit::new(&constant([1.0, 0.0, 0.0]), &Puppet::body(), context().syllabus, &forced);
+    let setup = setup(Some(Target::new(Form::Stack, 0.0, 2.0)), End::Never);
+    let mut show = Show { observer: &mut watcher, number: 4 };
+    for _ in 0..2 {
+        let mut creature = Puppet::at(0.0, 0.0, 0.0);
+        live(&mut creature, &mut circuit.clone(), &setup, &mut Record::default(), &mut show).unwrap();
+    }
+    assert_eq!(watcher.trials, [(4, 4), (5, 4)], "a point and three lights");
+    assert_eq!(watcher.frames.len(), 2 * 241);
+    let (time, frame) = &watcher.frames[15];
+    assert!((time - 0.25).abs() < 1e-12 && frame.centers[0].x > 0.2);
+    let light = setup.target.unwrap().light(0, 0.25);
+    assert_eq!((frame.poses.len(), &frame.poses[1]), (4, &Pose::at(light)));
 }

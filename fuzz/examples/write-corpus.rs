@@ -1,0 +1,72 @@
+//! Writes the beginning of the corpus anew: founders of every ready experiment, the experiments themselves, and
+//! messages of every kind. What a fuzzer has found stays as it is.
+
+use creatures::{Cull, Interim, Outcome, Status};
+use hatchery_fuzz::tasks;
+use prost::Message as _;
+use proto::v1::{self, coordinator_message, report::What, worker_message};
+use std::path::Path;
+
+fn write(target: &str, name: &str, bytes: &[u8]) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(target);
+    std::fs::create_dir_all(&folder).expect("the corpus can be written");
+    std::fs::write(folder.join(name), bytes).expect("the corpus can be written");
+}
+
+fn main() {
+    for (name, experiment) in tasks() {
+        let founders = experiment.start(1).ask();
+        for (which, founder) in [("first", founders.first()), ("last", founders.last())] {
+            // Large ones teach a mutation nothing that small ones do not.
+            let Some(founder) = founder.filter(|founder| founder.genotype.len() <= 4096) else { continue };
+            let input = [name.as_bytes(), &[0], &founder.genotype].concat();
+            write("genotype", &format!("{name}-{which}"), &input);
+            write("life", &format!("{name}-{which}"), &input);
+        }
+        write("task", &name, experiment.task_json().as_bytes());
+        write("experiment", &name, experiment.resolved().as_bytes());
+    }
+    write("experiment", "override", b"!search.population=4\n!seed=7\nname = \"p\"\nsystem = \"probe\"\n");
+    messages();
+    for (name, text) in [
+        ("sum", "min(3, 1, 2) + max(1, 4)"),
+        ("quotient", "first(up_z) / (last(up_z) - 2)"),
+        ("nested", "clamp01(mean(up_z) * -2.5e-1) - -.5"),
+    ] {
+        write("expression", name, text.as_bytes());
+    }
+    let skills = include_str!("../../creatures/src/esp/syllabus/ten_skills.json");
+    write("syllabus", "ten_skills", skills.as_bytes());
+}
+
+fn messages() {
+    let outcome = Outcome {
+        status: Status::Completed,
+        fitness: 1.5,
+        steps: 100,
+        measures: vec![("height".to_owned(), 2.0)],
+        interim: Some(Interim { step: 25, measure: 0.5 }),
+        note: String::new(),
+    };
+    let attempt = Some(v1::Attempt { evaluation: 1, number: 1 });
+    let report = |what| v1::Report { attempt, seconds: 0.25, what: Some(what) };
+    let reports = vec![
+        report(What::Interim(Interim { step: 25, measure: 0.5 }.into())),
+        report(What::Outcome(outcome.into())),
+        report(What::Failure(v1::Failure { reason: "a panic".to_owned(), r#final: false })),
+    ];
+    let said = worker_message::Kind::Reports(v1::Reports { reports });
+    write("worker_message", "reports", &v1::WorkerMessage { kind: Some(said) }.encode_to_vec());
+    let task = v1::Task::named("probe", 1, "{}");
+    let assignment = v1::Assignment {
+        attempt,
+        task: task.hash.clone(),
+        genotype: b"genotype".to_vec().into(),
+        seed: 7,
+        cull: Some(Cull { at: 0.25, cutoff: Some(1.0), control: false }.into()),
+    };
+    let told = |kind| v1::CoordinatorMessage { kind: Some(kind) }.encode_to_vec();
+    write("coordinator_message", "task", &told(coordinator_message::Kind::Task(task)));
+    let batch = v1::Batch { assignments: vec![assignment] };
+    write("coordinator_message", "batch", &told(coordinator_message::Kind::Batch(batch)));
+}

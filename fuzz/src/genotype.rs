@@ -1,0 +1,77 @@
+//! Genotypes of every system, under the tasks of the ready experiments. Input: an experiment's file name
+//! without its ending, a zero byte, the genotype.
+
+use search::{Experiment, Overrides};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::LazyLock;
+
+/// What a genotype is checked and lived under.
+struct Trial {
+    task: Box<dyn creatures::Task>,
+    /// The same task, over within milliseconds; for systems that have such a one.
+    short: Option<Box<dyn creatures::Task>>,
+}
+
+static TRIALS: LazyLock<BTreeMap<String, Trial>> = LazyLock::new(|| {
+    let trials = tasks().into_iter().map(|(name, experiment)| {
+        let system = creatures::system(&experiment.system).expect("a ready experiment names a system");
+        let task = system.task(&experiment.task_json()).expect("a ready experiment has a legal task");
+        let short = shorten(&experiment).and_then(|table| system.task(&table.to_string()).ok());
+        (name, Trial { task, short })
+    });
+    trials.collect()
+});
+
+/// The ready experiments by name, the first cell of each.
+pub fn tasks() -> BTreeMap<String, Experiment> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments");
+    let files = std::fs::read_dir(folder).expect("the repository has ready experiments");
+    let files = files.map(|entry| entry.expect("a folder can be listed").path());
+    let files = files.filter(|path| path.extension().is_some_and(|ending| ending == "toml"));
+    let read = |path: std::path::PathBuf| {
+        let name = path.file_stem().expect("it has an ending").to_string_lossy().into_owned();
+        let text = std::fs::read_to_string(&path).expect("a ready experiment is text");
+        let cells = Experiment::parse(&text, &Overrides::default());
+        (name, cells.expect("a test says so").remove(0))
+    };
+    files.map(read).collect()
+}
+
+fn shorten(experiment: &Experiment) -> Option<Value> {
+    let mut table: Value = serde_json::from_str(&experiment.task_json()).ok()?;
+    match experiment.system.as_str() {
+        "probe" => {}
+        "walker" => *table.get_mut("seconds")? = json!(0.2),
+        "flyer" => *table.get_mut("steps")? = json!(12),
+        "fish" => *table.pointer_mut("/lesson/steps")? = json!(12),
+        _ => return None,
+    }
+    Some(table)
+}
+
+fn split(bytes: &[u8]) -> Option<(&'static Trial, &[u8])> {
+    let end = bytes.iter().position(|byte| *byte == 0)?;
+    let trial = TRIALS.get(std::str::from_utf8(&bytes[..end]).ok()?)?;
+    Some((trial, &bytes[end + 1..]))
+}
+
+/// Whether bytes are a legal genotype is said without a panic, and without living it.
+pub fn genotype(bytes: &[u8]) {
+    let Some((trial, genotype)) = split(bytes) else { return };
+    if let Err(error) = trial.task.check(genotype) {
+        assert!(!error.to_string().is_empty(), "refused without a word");
+    }
+}
+
+/// A genotype that was let in is lived, and comes to an outcome that the coordinator lets in.
+pub fn life(bytes: &[u8]) {
+    let Some((trial, genotype)) = split(bytes) else { return };
+    let Some(task) = &trial.short else { return };
+    let lived = task.evaluate(genotype, 1, None, &mut creatures::Nobody);
+    assert_eq!(task.check(genotype).is_ok(), lived.is_ok(), "checked otherwise than lived");
+    if let Ok(outcome) = lived {
+        proto::convert::admissible(&outcome).expect("an outcome has finite numbers");
+    }
+}
