@@ -34,10 +34,15 @@ CREATE TABLE experiment (
     program_version TEXT    NOT NULL,
     fingerprint     BLOB    NOT NULL CHECK (length(fingerprint) = 32), -- of the physics
     state           TEXT    NOT NULL
-        CHECK (state IN ('running', 'paused', 'finished', 'cancelled', 'failed')),
+        CHECK (state IN ('running', 'paused', 'awaiting', 'finished', 'cancelled', 'failed')),
     reason          TEXT    NOT NULL DEFAULT '',
     created_ms      INTEGER NOT NULL,
-    ended_ms        INTEGER
+    ended_ms        INTEGER,
+    -- A fork: its runs went through the stages of `origin` up to the one numbered `origin_stage`, and through
+    -- their own after it.
+    origin          INTEGER REFERENCES experiment (id),
+    origin_stage    INTEGER,
+    CHECK ((origin IS NULL) = (origin_stage IS NULL))
 ) STRICT;
 
 CREATE INDEX experiment_group ON experiment ("group") WHERE "group" IS NOT NULL;
@@ -51,10 +56,12 @@ CREATE TABLE stage (
     name        TEXT    NOT NULL,
     seed        INTEGER NOT NULL,                                -- of the run
     generations INTEGER,                                         -- how many it takes, when known
+    task        TEXT CHECK (json_valid(task)),                   -- resolved; NULL: the experiment's
     traits      TEXT CHECK (json_type(traits) = 'array'),        -- their names, in the order of individual.traits
     measures    TEXT CHECK (json_type(measures) = 'array'),      -- their names, in the order of outcome.m0, m1, …
     begun_ms    INTEGER NOT NULL,
     ended_ms    INTEGER,
+    over        INTEGER NOT NULL DEFAULT 0 CHECK (over IN (0, 1)), -- 1: the run has ended with it
     UNIQUE (experiment, run, number)
 ) STRICT;
 
@@ -151,14 +158,17 @@ CREATE TABLE attempt (
     PRIMARY KEY (individual, number)
 ) STRICT, WITHOUT ROWID;
 
--- All that a stage needs to go on: the search's state before it asked for `generation`, or, once the stage
--- has ended, after it was told of it. One zstd frame. The latest one of a stage alone is kept.
+-- All that a stage needs to go on: the search's state before it asked for `generation`, which of a stage that
+-- has ended is the one that did not come. One zstd frame. The latest two of a stage are kept, so that one that
+-- is damaged can be made again from the one before.
 CREATE TABLE checkpoint (
-    stage      INTEGER PRIMARY KEY REFERENCES stage (id),
+    stage      INTEGER NOT NULL REFERENCES stage (id),
     generation INTEGER NOT NULL,
     size       INTEGER NOT NULL,
+    digest     BLOB    NOT NULL CHECK (length(digest) = 32),     -- BLAKE3 of the state itself
     state      BLOB    NOT NULL,
-    saved_ms   INTEGER NOT NULL
+    saved_ms   INTEGER NOT NULL,
+    PRIMARY KEY (stage, generation)
 ) STRICT;
 
 -- Species of a generation, for searches that have them (walker G-45).
@@ -174,21 +184,27 @@ CREATE TABLE species (
     PRIMARY KEY (generation, id)
 ) STRICT, WITHOUT ROWID;
 
--- Individuals put before a person at the end of a stage, and which of them was taken.
+-- Who may go on from the end of a stage, best first, and who did. The experiment is the stage's, or a fork of
+-- it that chooses anew.
 CREATE TABLE candidate (
+    experiment INTEGER NOT NULL REFERENCES experiment (id),
     stage      INTEGER NOT NULL REFERENCES stage (id),
     rank       INTEGER NOT NULL CHECK (rank >= 1),
     individual INTEGER NOT NULL REFERENCES individual (id),
-    PRIMARY KEY (stage, rank)
+    fitness    REAL    NOT NULL,
+    notes      TEXT    NOT NULL CHECK (json_type(notes) = 'object'), -- what the search says of it
+    PRIMARY KEY (experiment, stage, rank)
 ) STRICT, WITHOUT ROWID;
 
 CREATE TABLE pick (
-    stage      INTEGER PRIMARY KEY REFERENCES stage (id),
+    experiment INTEGER NOT NULL REFERENCES experiment (id),
+    stage      INTEGER NOT NULL REFERENCES stage (id),
     individual INTEGER NOT NULL REFERENCES individual (id),
-    picked_by  TEXT    NOT NULL,
+    picked_by  TEXT    NOT NULL CHECK (picked_by IN ('best', 'human')),
     note       TEXT    NOT NULL DEFAULT '',
-    picked_ms  INTEGER NOT NULL
-) STRICT;
+    picked_ms  INTEGER NOT NULL,
+    PRIMARY KEY (experiment, stage)
+) STRICT, WITHOUT ROWID;
 
 -- Workers, a row for every time one attached.
 CREATE TABLE worker (

@@ -130,7 +130,8 @@ SELECT
     b.fitness AS best,
     b.individual AS best_individual,
     s.begun_ms,
-    s.ended_ms
+    s.ended_ms,
+    coalesce(s.task, e.task) AS task
 FROM stage AS s
 JOIN experiment AS e ON e.id = s.experiment
 LEFT JOIN v_best AS b ON b.experiment = s.experiment AND b.run = s.run AND b.stage = s.number;
@@ -164,7 +165,9 @@ SELECT
     lower(hex(e.digest)) AS digest,
     lower(hex(e.fingerprint)) AS fingerprint,
     e.created_ms,
-    e.ended_ms
+    e.ended_ms,
+    e.origin,
+    e.origin_stage
 FROM experiment AS e
 LEFT JOIN (
     SELECT experiment, sum(individuals) AS individuals, sum(evaluated) AS evaluated,
@@ -289,3 +292,40 @@ CREATE VIEW v_checkpoints AS
 SELECT s.experiment, s.run, s.number AS stage, c.generation, c.size, length(c.state) AS stored, c.saved_ms
 FROM checkpoint AS c
 JOIN stage AS s ON s.id = c.stage;
+
+-- Who may go on, or might have, from the end of a stage.
+CREATE VIEW v_candidates AS
+SELECT
+    c.experiment,
+    s.run,
+    s.number AS stage,
+    s.name AS stage_name,
+    c.rank,
+    c.individual,
+    i.generation,
+    i.idx,
+    i.traits ->> 'population' AS population,
+    c.fitness,
+    c.notes,
+    p.individual IS NOT NULL AS picked
+FROM candidate AS c
+JOIN stage AS s ON s.id = c.stage
+JOIN v_individuals AS i ON i.id = c.individual
+LEFT JOIN pick AS p ON p.experiment = c.experiment AND p.stage = c.stage AND p.individual = c.individual;
+
+-- Who did.
+CREATE VIEW v_picks AS
+SELECT
+    p.experiment,
+    s.run,
+    s.number AS stage,
+    s.name AS stage_name,
+    p.individual,
+    c.rank,
+    c.fitness,
+    p.picked_by,
+    p.note,
+    p.picked_ms
+FROM pick AS p
+JOIN stage AS s ON s.id = p.stage
+JOIN candidate AS c ON c.experiment = p.experiment AND c.stage = p.stage AND c.individual = p.individual;

@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use anyhow::Context;
 use coordinator::lineage::{
-    Attempt, CloseGeneration, Ending, Evaluated, Fate, IndividualId, Lineage, NewExperiment, NewStage,
-    OpenGeneration,
+    Attempt, CloseGeneration, EndStage, Ending, Evaluated, Fate, InStage, IndividualId, Lineage,
+    NewExperiment, NewStage, OpenGeneration,
 };
 use creatures::{Outcome, Status};
 use search::{Experiment, Individual, Overrides, Place};
@@ -62,6 +62,7 @@ pub async fn make(path: &Path, size: Size) -> anyhow::Result<Made> {
                 name: String::new(),
                 seed: experiment.seed_of(run),
                 generations: Some(size.generations),
+                task_json: None,
             })
             .await?;
         made.seconds += begun.elapsed().as_secs_f64();
@@ -73,14 +74,16 @@ pub async fn make(path: &Path, size: Size) -> anyhow::Result<Made> {
             let individuals = search.ask();
             let begun = Instant::now();
             let opened = OpenGeneration {
-                stage,
+                stage: InStage::Open(stage),
                 generation,
                 checkpoint,
                 culling: None,
                 individuals: individuals.clone(),
                 close: close.take(),
+                ends: None,
+                choice: None,
             };
-            let ids = lineage.open_generation(opened).await?;
+            let (_, ids) = lineage.open_generation(opened).await?;
             made.seconds += begun.elapsed().as_secs_f64();
             made.youngest = ids[0];
             if run == size.runs && generation == size.generations {
@@ -104,7 +107,8 @@ pub async fn make(path: &Path, size: Size) -> anyhow::Result<Made> {
         }
         if let Some(close) = close.take() {
             let begun = Instant::now();
-            lineage.close_stage(stage, close, search.checkpoint()).await?;
+            let ends = EndStage { stage, close, checkpoint: search.checkpoint(), over: true };
+            lineage.end_stage(ends, None).await?;
             made.seconds += begun.elapsed().as_secs_f64();
         }
     }
@@ -143,6 +147,7 @@ fn describe(experiment: &Experiment) -> NewExperiment {
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
         fingerprint: creatures::fingerprint(),
         planned: experiment.planned(),
+        origin: None,
     }
 }
 

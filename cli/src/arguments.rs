@@ -24,7 +24,8 @@ Start here:
   hatchery replay INDIVIDUAL                   live it again, and compare the fitness bit for bit
 
 An experiment ID is `last`, a number or a name; the name of a matrix stands for all its cells.
-Exit codes: 0 done, 1 failed, 2 usage or bad input, 3 not found, 4 coordinator unreachable, 130 interrupted.
+Exit codes: 0 done, 1 failed, 2 usage or bad input, 3 not found, 4 coordinator unreachable, 5 waiting for a
+pick, 130 interrupted.
 Environment: HATCHERY_JOIN (a client's join token), HATCHERY_JOIN_FILE (a file that holds one),
 HATCHERY_COORDINATOR (URL), HATCHERY_DB (file), HATCHERY_LOG (error, warn, info, debug, trace, or per module as
 in `coordinator=debug`), NO_COLOR.";
@@ -53,6 +54,15 @@ pub(crate) enum Command {
     Resume(Control),
     /// End an experiment for good; what was evaluated stays in the lineage
     Cancel(Control),
+    /// Who may go on from the end of a stage, and who did
+    #[command(after_help = SOURCE_HELP)]
+    Candidates(Candidates),
+    /// Say who goes on from the end of a stage
+    Pick(Pick),
+    /// Go on with a changed experiment file, where it changes only what has not begun
+    Amend(Amend),
+    /// Begin an experiment whose first stages are another's
+    Fork(Fork),
     /// List the workers of a coordinator
     Workers(Dial),
     /// The best individuals of an experiment
@@ -169,7 +179,7 @@ Examples:
 
 If the lineage file holds the same experiment unfinished (the same file, profile and settings), it goes on
 where it stood; so a killed run costs what was in flight and no more. Ctrl-C commits and says how to go on;
-a second Ctrl-C ends at once.";
+a second Ctrl-C ends at once. A run that waits for a pick ends with exit code 5 and says what to type.";
 
 /// `hatchery check`.
 #[derive(Debug, Args)]
@@ -221,8 +231,8 @@ Example:
 
 const WATCH_HELP: &str = "\
 Bars on a terminal, one line a generation otherwise, one object a line with --json. Ends when every
-experiment watched has ended: exit code 0 if all finished, 1 if one failed or was cancelled. Ctrl-C ends
-the watching alone.";
+experiment watched has ended or waits for a pick: exit code 0 if all finished, 1 if one failed or was
+cancelled, 5 if one waits. Ctrl-C ends the watching alone.";
 
 /// A question to a coordinator or a file about one experiment.
 #[derive(Debug, Args)]
@@ -285,6 +295,103 @@ pub(crate) struct Control {
     #[command(flatten)]
     pub(crate) dial: Dial,
 }
+
+/// `hatchery candidates`.
+#[derive(Debug, Args)]
+pub(crate) struct Candidates {
+    /// `last`, a number or a name
+    #[arg(value_name = "ID")]
+    pub(crate) experiment: String,
+    /// At the end of this stage, by name or number [default: of those where a pick is awaited, or else of all]
+    #[arg(long, value_name = "STAGE")]
+    pub(crate) stage: Option<String>,
+    /// Whom to ask.
+    #[command(flatten)]
+    pub(crate) ask: Ask,
+}
+
+/// `hatchery pick`.
+#[derive(Debug, Args)]
+#[command(after_help = PICK_HELP)]
+pub(crate) struct Pick {
+    /// `last`, a number or a name
+    #[arg(value_name = "ID")]
+    pub(crate) experiment: String,
+    /// One of the candidates
+    #[arg(value_name = "INDIVIDUAL")]
+    pub(crate) individual: u64,
+    /// Why, for those who read the lineage
+    #[arg(long, value_name = "TEXT", default_value = "", hide_default_value = true)]
+    pub(crate) note: String,
+    /// Whom to tell.
+    #[command(flatten)]
+    pub(crate) ask: Ask,
+}
+
+const PICK_HELP: &str = "\
+Examples:
+  hatchery candidates last
+  hatchery pick last 4711 --note \"turns on the spot\"
+
+A coordinator (--coordinator, HATCHERY_COORDINATOR) goes on at once. A lineage file at rest (--db, HATCHERY_DB,
+else hatchery.db in the current folder) takes the pick, and the same `hatchery run` as before goes on with it.
+Who is no candidate, or picked where nothing is awaited, is refused, and nothing changes.";
+
+/// `hatchery amend`.
+#[derive(Debug, Args)]
+#[command(after_help = AMEND_HELP)]
+pub(crate) struct Amend {
+    /// `last`, a number or a name
+    #[arg(value_name = "ID")]
+    pub(crate) experiment: String,
+    /// The changed experiment file
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// What changes the file.
+    #[command(flatten)]
+    pub(crate) overrides: Overrides,
+    /// Whom to tell.
+    #[command(flatten)]
+    pub(crate) ask: Ask,
+}
+
+const AMEND_HELP: &str = "\
+Example:
+  hatchery pause last
+  hatchery amend last fight-or-flight.toml
+
+An experiment that is paused, waits for a pick or has finished goes on with skills appended, or others changed
+that it has not begun. Everything else is refused, with every difference named, and nothing changes: fork it
+instead (hatchery fork ID --after STAGE FILE). In a file at rest (--db), `hatchery run FILE` then goes on.";
+
+/// `hatchery fork`.
+#[derive(Debug, Args)]
+#[command(after_help = FORK_HELP)]
+pub(crate) struct Fork {
+    /// The other experiment: `last`, a number or a name
+    #[arg(value_name = "ID")]
+    pub(crate) experiment: String,
+    /// The last stage that both have, by name or number
+    #[arg(long, value_name = "STAGE")]
+    pub(crate) after: String,
+    /// A changed experiment file [default: as the other's]
+    #[arg(value_name = "FILE")]
+    pub(crate) file: Option<PathBuf>,
+    /// What changes the file.
+    #[command(flatten)]
+    pub(crate) overrides: Overrides,
+    /// Whom to tell.
+    #[command(flatten)]
+    pub(crate) ask: Ask,
+}
+
+const FORK_HELP: &str = "\
+Examples:
+  hatchery fork last --after left_turn                     and pick another one there
+  hatchery fork last --after left_turn shorter.toml        and go on otherwise from there
+
+The stages up to there are shared, not copied: ancestors lead back into them. Who goes on from the end of the
+last of them is picked anew. In a file at rest (--db), `hatchery run FILE` then goes on with the fork.";
 
 /// `hatchery best`.
 #[derive(Debug, Args)]
@@ -367,8 +474,9 @@ Examples:
   hatchery sql \"SELECT generation, best FROM v_generations WHERE run = 1\" --json
 
 The views are the documented interface: v_experiments v_stages v_generations v_individuals v_parents
-v_evaluations v_culls v_best v_ancestors v_species v_workers v_checkpoints v_audits v_events. The connection can only read;
-a statement that would write, attach a file or run for ever is refused or stopped.";
+v_evaluations v_culls v_best v_ancestors v_species v_workers v_checkpoints v_candidates v_picks v_audits
+v_events. The connection can only read; a statement that would write, attach a file or run for ever is refused
+or stopped.";
 
 /// `hatchery export`.
 #[derive(Debug, Args)]
@@ -392,7 +500,7 @@ pub(crate) struct Export {
 }
 
 /// The documented views of the lineage.
-const VIEWS: [&str; 14] = [
+const VIEWS: [&str; 16] = [
     "v_experiments",
     "v_stages",
     "v_generations",
@@ -405,6 +513,8 @@ const VIEWS: [&str; 14] = [
     "v_species",
     "v_workers",
     "v_checkpoints",
+    "v_candidates",
+    "v_picks",
     "v_audits",
     "v_events",
 ];
@@ -432,7 +542,8 @@ pub(crate) struct Compare {
     /// A matrix, one experiment, or several
     #[arg(value_name = "ID", required = true)]
     pub(crate) experiments: Vec<String>,
-    /// Draw the fitness curves into this folder, as curves.png and curves.svg
+    /// Draw the fitness curves into this folder: curves.png and curves.svg, a panel a cell, and best.png and
+    /// best.svg, all cells in one
     #[arg(long, value_name = "DIR")]
     pub(crate) plot: Option<PathBuf>,
     /// Write the fitness curves as CSV

@@ -8,8 +8,7 @@ use prost::Message;
 use proto::v1;
 use tonic::Code;
 
-/// Exit codes (design: the command line; tests and scripts rely on them). 5 is kept for experiments that wait
-/// for a human pick.
+/// Exit codes (design: the command line; tests and scripts rely on them).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum Exit {
@@ -23,6 +22,8 @@ pub(crate) enum Exit {
     NotFound = 3,
     /// No coordinator answers.
     Unreachable = 4,
+    /// Somebody has to pick before the experiment goes on.
+    Awaiting = 5,
     /// Ctrl-C.
     Interrupted = 130,
 }
@@ -55,6 +56,9 @@ pub(crate) enum Failure {
     /// Start a coordinator, or name the right one.
     #[error("{0}")]
     Unreachable(String),
+    /// Pick who goes on; how is in the text.
+    #[error("{0}")]
+    Awaiting(String),
     /// Go on later; how is in the text.
     #[error("{0}")]
     Interrupted(String),
@@ -70,6 +74,7 @@ impl Failure {
             Failure::Usage(_) | Failure::Problems { .. } => Exit::Usage,
             Failure::NotFound(_) => Exit::NotFound,
             Failure::Unreachable(_) => Exit::Unreachable,
+            Failure::Awaiting(_) => Exit::Awaiting,
             Failure::Interrupted(_) => Exit::Interrupted,
             Failure::Failed(_) => Exit::Failed,
         }
@@ -82,6 +87,7 @@ impl Failure {
             Failure::Problems { .. } => "problems",
             Failure::NotFound(_) => "not_found",
             Failure::Unreachable(_) => "unreachable",
+            Failure::Awaiting(_) => "awaiting",
             Failure::Interrupted(_) => "interrupted",
             Failure::Failed(_) => "failed",
         }

@@ -1,6 +1,6 @@
 //! The lineage hash (design: determinism): BLAKE3 over the canonical rows of an experiment, equal for any
 //! number of workers and for any kill and resume. It reads no database; whoever does, streams rows in order
-//! of run and place.
+//! of run and place, and the pick at the end of a stage behind that stage's rows.
 
 use crate::Place;
 
@@ -70,6 +70,19 @@ impl LineageHasher {
         self.text(row.operator);
         self.text(row.status);
         self.hasher.update(&row.fitness.to_bits().to_le_bytes());
+    }
+
+    /// Adds who went on from the stage of the row before. Who picked does not count.
+    ///
+    /// # Panics
+    /// If the pick is of another stage than the row before.
+    pub fn pick(&mut self, run: u32, stage: u32, picked: Place) {
+        let here = self.last.map(|(run, place)| (run, place.stage));
+        assert_eq!(here, Some((run, stage)), "a pick follows the rows of its stage");
+        self.text("pick");
+        self.number(picked.stage);
+        self.number(picked.generation);
+        self.number(picked.index);
     }
 
     /// The hash of the rows so far.
@@ -142,6 +155,20 @@ mod tests {
         seen.sort_unstable();
         seen.dedup();
         assert_eq!(seen.len(), others.len() + 1);
+    }
+
+    #[test]
+    fn a_pick_counts_by_its_place() {
+        let mut seen = vec![hash(&[row()])];
+        for picked in [AT, Place { index: 4, ..AT }, Place { generation: 3, ..AT }, PARENT] {
+            let mut hasher = LineageHasher::new();
+            hasher.row(&row());
+            hasher.pick(1, 0, picked);
+            seen.push(hasher.finish());
+        }
+        seen.sort_unstable();
+        seen.dedup();
+        assert_eq!(seen.len(), 5);
     }
 
     #[test]

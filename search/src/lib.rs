@@ -17,6 +17,7 @@ pub mod probe;
 pub mod registry;
 pub mod selection;
 mod settings;
+pub mod syllabus;
 
 pub use checkpoint::RestoreError;
 pub use culling::Culling;
@@ -53,7 +54,8 @@ pub trait Search: Send {
     /// given back to the registry's `restore`.
     fn checkpoint(&self) -> Vec<u8>;
 
-    /// What is to be picked from before the search asks for more, at the end of a stage.
+    /// What is to be picked from before the search asks for more, at the end of a stage: asked for when
+    /// [`Search::ask`] gave nobody. One choice a stage at most.
     fn choice(&self) -> Option<Choice> {
         None // most searches pick nobody
     }
@@ -140,8 +142,8 @@ pub struct Individual {
     /// What people ask about (regulatory proteins, hidden nodes, species): a flat JSON object.
     pub traits: serde_json::Value,
     /// Equal genotype at an evaluated place, whose outcome it takes over without an evaluation. Either in
-    /// the previous generation or earlier in this one, and never at a place that inherits from its own
-    /// generation. An individual that was set aside hands that on as well.
+    /// the previous generation of its stage or earlier in this one, and never at a place that inherits from
+    /// its own generation. An individual that was set aside hands that on as well.
     pub inherits: Option<Place>,
 }
 

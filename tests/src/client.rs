@@ -136,6 +136,26 @@ impl Client {
         Ok(())
     }
 
+    /// The choices of an experiment at the end of its stages so far.
+    pub fn choices(&self, id: u64) -> Vec<v1::Choice> {
+        let request = v1::CandidatesRequest { experiment: id.to_string(), stage: String::new() };
+        let reply = self.ask(|channel| {
+            let request = request.clone();
+            async move { ExperimentsClient::new(channel).candidates(request).await }
+        });
+        reply.expect("the experiment was submitted").into_inner().choices
+    }
+
+    /// Picks who goes on.
+    ///
+    /// # Errors
+    /// The coordinator's refusal.
+    pub fn pick(&self, id: u64, individual: u64) -> Result<v1::Experiment, Status> {
+        let request = v1::PickRequest { experiment: id.to_string(), individual, note: String::new() };
+        let reply = self.converse(ExperimentsClient::new(self.channel.clone()).pick(request));
+        Ok(reply?.into_inner())
+    }
+
     /// The lineage hash of an experiment, in hexadecimal.
     pub fn hash(&self, id: u64) -> String {
         let request = v1::HashRequest { experiment: id.to_string() };

@@ -149,11 +149,11 @@ impl Hatchery {
             Some(keeper) => command.env("HATCHERY_JOIN", keeper.worker().to_string()),
             None => command.args(["--coordinator", &self.url()]),
         };
-        self.start(name, &mut command);
+        self.join_by(name, &mut command);
     }
 
     /// Starts a worker by a command line of the test's.
-    pub fn start(&mut self, name: &str, command: &mut Command) {
+    pub fn join_by(&mut self, name: &str, command: &mut Command) {
         command.env("HATCHERY_LOG", self.level);
         let log = self.folder.path().join(format!("{name}.log"));
         self.workers.insert(name.to_owned(), Process::start(command, &log));

@@ -21,6 +21,12 @@ payload = 256
     )
 }
 
+/// Probe individuals in stages, each with a task of its own, with a pick between them by `best` or `human`.
+pub fn staged(seed: u64, population: u32, generations: u32, stages: u32, pick: &str) -> String {
+    let text = probe(seed, population, generations, 3);
+    format!("{text}stages = {stages}\npick = \"{pick}\"\ngrowth = 2\n")
+}
+
 /// Walkers of a body under `grn` or `neat`, for one simulated second each.
 pub fn walkers(body: &str, kind: &str, seed: u64, population: u32, generations: u32) -> String {
     format!(

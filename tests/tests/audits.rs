@@ -1,6 +1,6 @@
 //! Workers that lie, found out by audits between real processes: the lineage comes out as honest workers' would.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use hatchery_tests::client::PATIENCE;
 use hatchery_tests::samples::{audited, probe};

@@ -29,7 +29,7 @@ fn a_run_over_tls_comes_out_as_one_in_plain() {
     std::fs::write(&file, format!("{}\n", hatchery.keeper().worker())).expect("the folder is writable");
     let mut command = Command::new(program("hatchery-worker"));
     command.args(["--slots", "1", "--name", "w2", "--label", "rack=2", "--join-file"]).arg(&file);
-    hatchery.start("w2", &mut command);
+    hatchery.join_by("w2", &mut command);
     hatchery.wait_attached(2);
     assert_eq!(hatchery.lineage_of(&text), local::lineage(&text));
     let token = hatchery.keeper().client().to_string();
@@ -141,7 +141,7 @@ fn a_revoked_worker_is_shown_out_and_a_new_token_lets_the_run_go_on() {
     assert!(hatchery.worker("w1").log().contains("was revoked"), "it says why it went");
     let mut command = Command::new(program("hatchery-worker"));
     command.args(["--slots", "1", "--name", "w2"]).env("HATCHERY_JOIN", new.to_string());
-    hatchery.start("w2", &mut command);
+    hatchery.join_by("w2", &mut command);
     hatchery.client().wait(id);
     assert_eq!(hatchery.client().hash(id), local::lineage(&text));
     let left = "SELECT count(*) FROM v_workers WHERE name = 'w1' AND reason = 'its token ended'";

@@ -28,6 +28,7 @@ pub(super) fn show(experiments: &[Experiment], output: Output) -> Result<(), Fai
         Column::Left("system"),
         Column::Left("search"),
         Column::Left("state"),
+        Column::Left("stage"),
         Column::Right("runs"),
         Column::Right("evaluated"),
         Column::Right("planned"),
@@ -35,13 +36,17 @@ pub(super) fn show(experiments: &[Experiment], output: Output) -> Result<(), Fai
         Column::Left("begun (UTC)"),
     ];
     let row = |of: &Experiment| {
-        let best = of.progress.iter().filter_map(|run| run.best).reduce(f64::max);
+        // Of the latest stage: the fitness of different ones does not compare.
+        let latest = of.progress.iter().map(|run| run.stage).max();
+        let in_it = of.progress.iter().filter(|run| Some(run.stage) == latest);
+        let best = in_it.filter_map(|run| run.best).reduce(f64::max);
         vec![
             of.id.to_string(),
             of.name.clone(),
             of.system.clone(),
             of.search.clone(),
             of.state.clone(),
+            stage(of),
             of.runs.to_string(),
             number::count(of.evaluated),
             if of.planned == 0 { "-".to_owned() } else { number::count(of.planned) },
@@ -50,4 +55,14 @@ pub(super) fn show(experiments: &[Experiment], output: Output) -> Result<(), Fai
         ]
     };
     output.line(table(&columns, experiments.iter().map(row)))
+}
+
+/// Where its hindmost run is: `left_turn 12/80`.
+fn stage(of: &Experiment) -> String {
+    let Some(run) = of.progress.iter().min_by_key(|run| (run.stage, run.generation)) else {
+        return "-".to_owned();
+    };
+    let generations = if run.generations == 0 { String::new() } else { format!("/{}", run.generations) };
+    let space = if run.stage_name.is_empty() { "" } else { " " };
+    format!("{}{space}{}{generations}", run.stage_name, run.generation)
 }

@@ -1,15 +1,19 @@
 //! The commands, one a file: each opens a connection, asks, and renders the answer. None of them knows
 //! whether a coordinator or a file answers.
 
+mod amend;
 mod best;
+mod candidates;
 mod check;
 mod compare;
 mod completions;
 mod control;
 mod export;
+mod fork;
 mod hash;
 mod lineage;
 mod list;
+mod pick;
 mod replay;
 mod run;
 mod show;
@@ -37,6 +41,10 @@ pub(crate) async fn execute(command: Command, output: Output) -> Result<(), Fail
         Command::Pause(arguments) => control::control(control::Order::Pause, arguments, output).await,
         Command::Resume(arguments) => control::control(control::Order::Resume, arguments, output).await,
         Command::Cancel(arguments) => control::control(control::Order::Cancel, arguments, output).await,
+        Command::Candidates(arguments) => candidates::candidates(arguments, output).await,
+        Command::Pick(arguments) => pick::pick(arguments, output).await,
+        Command::Amend(arguments) => amend::amend(arguments, output).await,
+        Command::Fork(arguments) => fork::fork(arguments, output).await,
         Command::Workers(dial) => workers::workers(&dial, output).await,
         Command::Best(arguments) => best::best(arguments, output).await,
         Command::Show(arguments) => show::show(arguments, output).await,

@@ -113,7 +113,12 @@ async fn conduct(
         }
     }
     progress.end();
-    watch::verdict(progress.experiments())?;
+    watch::verdict(progress.experiments()).map_err(|failure| match failure {
+        Failure::Awaiting(what) => {
+            Failure::Awaiting(format!("{what}; and then, to go on: {}", again(arguments)))
+        }
+        other => other,
+    })?;
     let experiments = submitted.experiments.iter().map(|experiment| experiment.id).collect();
     Ok(Conducted { connection, experiments, group })
 }

@@ -43,13 +43,14 @@ pub(super) async fn open(
     Ok(connection.experiments().watch(request).await?.into_inner())
 }
 
-/// Whether all that was watched came to its end.
+/// Whether all that was watched came to its end, or to a pick.
 pub(super) fn verdict<'a>(experiments: impl Iterator<Item = &'a Experiment>) -> Result<(), Failure> {
-    let mut unfinished = Vec::new();
+    let (mut unfinished, mut awaiting) = (Vec::new(), Vec::new());
     for of in experiments {
         let reason = if of.reason.is_empty() { String::new() } else { format!(": {}", of.reason) };
         match of.state.as_str() {
             "finished" => {}
+            "awaiting" => awaiting.push(format!("{}{reason}", of.name)),
             "failed" | "cancelled" => unfinished.push(format!("{} was {}{reason}", of.name, of.state)),
             _ => {
                 return Err(Failure::Unreachable(format!(
@@ -59,7 +60,11 @@ pub(super) fn verdict<'a>(experiments: impl Iterator<Item = &'a Experiment>) -> 
             }
         }
     }
-    if unfinished.is_empty() { Ok(()) } else { Err(anyhow::anyhow!(unfinished.join("; ")).into()) }
+    match (unfinished.is_empty(), awaiting.is_empty()) {
+        (true, true) => Ok(()),
+        (true, false) => Err(Failure::Awaiting(awaiting.join("; "))),
+        (false, _) => Err(anyhow::anyhow!(unfinished.join("; ")).into()),
+    }
 }
 
 #[cfg(test)]
@@ -76,6 +81,8 @@ mod tests {
         assert!(states(&["finished", "finished"]).is_ok());
         assert_eq!(states(&["finished", "failed"]).unwrap_err().exit() as u8, 1);
         assert_eq!(states(&["cancelled"]).unwrap_err().exit() as u8, 1);
+        assert_eq!(states(&["finished", "awaiting"]).unwrap_err().exit() as u8, 5);
+        assert_eq!(states(&["awaiting", "failed"]).unwrap_err().exit() as u8, 1);
     }
 
     #[test]

@@ -1,12 +1,13 @@
 //! A lineage file served in this process over a pipe in memory, so that a command which reads a file is the
-//! same gRPC client as one which asks a coordinator. Nothing is written, nothing listens, and a run may be
-//! writing the file meanwhile.
+//! same gRPC client as one which asks a coordinator. Nothing listens, and a run may be writing the file
+//! meanwhile. Picks, changed files and forks are written, into a file that nobody else writes; nothing is evaluated.
 
 use std::path::Path;
 use std::pin::Pin;
 
-use coordinator::lineage::{OpenError, ReadError, Reader};
-use coordinator::service::experiments::render_summary;
+use coordinator::driver::{amend_at_rest, fork_at_rest, pick_at_rest};
+use coordinator::lineage::{IndividualId, Lineage, OpenError, ReadError, Reader};
+use coordinator::service::experiments::{self, render_summary};
 use coordinator::service::lineage::{LineageService, OWN, status};
 use hyper_util::rt::TokioIo;
 use proto::dial::{Line, Show};
@@ -66,6 +67,41 @@ struct Stored {
     reader: Reader,
 }
 
+impl Stored {
+    async fn show(&self, reference: String) -> Result<Response<v1::Experiment>, Status> {
+        let id = self.reader.find_one(&reference).await.map_err(status)?;
+        let mut summaries = self.reader.summaries(Some(&[id])).await.map_err(status)?;
+        let summary = summaries.pop();
+        let summary = summary.ok_or_else(|| status(ReadError::NotFound { what: "experiment", reference }))?;
+        let resolved = self.reader.experiment(id).await.map_err(status)?.resolved;
+        Ok(Response::new(v1::Experiment { resolved, ..render_summary(summary) }))
+    }
+
+    /// The right to write the file, which one at a time has.
+    async fn write(&self) -> Result<Lineage, Status> {
+        Lineage::open(self.reader.path()).await.map_err(|error| match error {
+            OpenError::Held { .. } => {
+                Status::failed_precondition(format!("{error}: name it with --coordinator URL"))
+            }
+            _ => Status::internal(error.to_string()),
+        })
+    }
+}
+
+/// What was written, once it is on disk and the file is free again.
+async fn written<T>(lineage: Lineage, what: Result<T, Status>) -> Result<T, Status> {
+    let closed = lineage.close().await;
+    let what = what?;
+    closed.map_err(|error| Status::internal(error.to_string()))?;
+    Ok(what)
+}
+
+/// Of the physics of this program.
+async fn fingerprint() -> [u8; 32] {
+    let fingerprint = tokio::task::spawn_blocking(creatures::fingerprint).await;
+    fingerprint.expect("the fingerprint of a sound build does not panic; a test says so")
+}
+
 /// What only a coordinator can do.
 fn needs_coordinator<T>() -> Result<Response<T>, Status> {
     Err(Status::failed_precondition("a file alone cannot do this: name a coordinator with --coordinator URL"))
@@ -79,13 +115,42 @@ impl Experiments for Stored {
     }
 
     async fn get(&self, request: Request<v1::GetRequest>) -> Result<Response<v1::Experiment>, Status> {
-        let reference = request.into_inner().experiment;
-        let id = self.reader.find_one(&reference).await.map_err(status)?;
-        let mut summaries = self.reader.summaries(Some(&[id])).await.map_err(status)?;
-        let summary = summaries.pop();
-        let summary = summary.ok_or_else(|| status(ReadError::NotFound { what: "experiment", reference }))?;
-        let resolved = self.reader.experiment(id).await.map_err(status)?.resolved;
-        Ok(Response::new(v1::Experiment { resolved, ..render_summary(summary) }))
+        self.show(request.into_inner().experiment).await
+    }
+
+    async fn candidates(
+        &self,
+        request: Request<v1::CandidatesRequest>,
+    ) -> Result<Response<v1::CandidatesReply>, Status> {
+        experiments::candidates(&self.reader, request.into_inner()).await
+    }
+
+    async fn pick(&self, request: Request<v1::PickRequest>) -> Result<Response<v1::Experiment>, Status> {
+        let v1::PickRequest { experiment, individual, note } = request.into_inner();
+        let id = self.reader.find_one(&experiment).await.map_err(status)?;
+        let lineage = self.write().await?;
+        let picked = pick_at_rest(&lineage, id, IndividualId(individual), note).await;
+        written(lineage, picked.map_err(experiments::pick_status)).await?;
+        self.show(experiment).await
+    }
+
+    async fn amend(&self, request: Request<v1::AmendRequest>) -> Result<Response<v1::AmendReply>, Status> {
+        let v1::AmendRequest { experiment, file } = request.into_inner();
+        let id = self.reader.find_one(&experiment).await.map_err(status)?;
+        let file = experiments::file_of(file.unwrap_or_default())?;
+        let (fingerprint, lineage) = (fingerprint().await, self.write().await?);
+        let amended = amend_at_rest(&lineage, fingerprint, id, &file).await;
+        let differences = written(lineage, amended.map_err(experiments::amend_status)).await?;
+        let experiment = Some(self.show(id.to_string()).await?.into_inner());
+        Ok(Response::new(v1::AmendReply { experiment, differences }))
+    }
+
+    async fn fork(&self, request: Request<v1::ForkRequest>) -> Result<Response<v1::Experiment>, Status> {
+        let fork = experiments::fork_of(&self.reader, request.into_inner()).await?;
+        let (fingerprint, lineage) = (fingerprint().await, self.write().await?);
+        let forked = fork_at_rest(&lineage, fingerprint, fork).await;
+        let id = written(lineage, forked.map_err(experiments::fork_status)).await?;
+        self.show(id.to_string()).await
     }
 
     async fn submit(&self, _: Request<v1::SubmitRequest>) -> Result<Response<v1::SubmitReply>, Status> {

@@ -77,6 +77,21 @@ pub(crate) fn note(text: &str) -> Value {
     json!({ "event": "note", "text": text })
 }
 
+/// A choice at the end of a stage.
+pub(crate) fn choice(of: &v1::Choice) -> Value {
+    let candidate = |one: &v1::Candidate| {
+        json!({
+            "rank": one.rank, "individual": one.individual, "population": one.population,
+            "fitness": one.fitness, "notes": parsed(&one.notes),
+        })
+    };
+    json!({
+        "run": of.run, "stage": of.stage, "stage_name": named(&of.stage_name), "picked": id(of.picked),
+        "picked_by": named(&of.picked_by), "note": named(&of.note),
+        "candidates": of.candidates.iter().map(candidate).collect::<Vec<_>>(),
+    })
+}
+
 /// A worker.
 pub(crate) fn worker(of: &v1::WorkerInfo) -> Value {
     json!({

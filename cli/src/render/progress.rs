@@ -109,10 +109,7 @@ fn state_line(of: &v1::Experiment) -> String {
 
 fn generation_line(name: &str, of: &v1::Generation) -> String {
     let mut line = format!("{name} run {}", of.run);
-    if !of.stage_name.is_empty() {
-        line.push_str(&format!(" {}", of.stage_name));
-    }
-    line.push_str(&format!(" generation {}", position(of.generation, of.generations)));
+    line.push_str(&format!(" {}", position_in(of)));
     line.push_str(&format!(
         " best {} mean {} worst {}",
         number::figure(of.best),
@@ -127,7 +124,34 @@ fn generation_line(name: &str, of: &v1::Generation) -> String {
     if of.best_individual > 0 {
         line.push_str(&format!(" by #{}", of.best_individual));
     }
+    let notes = notes(&of.notes);
+    if !notes.is_empty() {
+        line.push_str(&format!("; {notes}"));
+    }
     line
+}
+
+/// `left_turn 12/80`, or `generation 12/80` where the stage has no name.
+fn position_in(of: &v1::Generation) -> String {
+    let stage = if of.stage_name.is_empty() { "generation" } else { &of.stage_name };
+    format!("{stage} {}", position(of.generation, of.generations))
+}
+
+/// The numbers that the search notes of a generation (flyers F-70), by their names in the lineage: the `notes`
+/// of `v_generations`. What is no number is left to those who ask there.
+fn notes(json: &str) -> String {
+    let all: serde_json::Map<String, serde_json::Value> = serde_json::from_str(json).unwrap_or_default();
+    let numbers = all.iter().filter_map(|(name, value)| Some((name, value.as_f64()?)));
+    numbers.map(|(name, value)| format!("{name} {}", short(value))).collect::<Vec<_>>().join(" ")
+}
+
+/// At most three decimals, and none that say nothing.
+fn short(value: f64) -> String {
+    let text = format!("{value:.3}");
+    match text.trim_end_matches('0').trim_end_matches('.') {
+        "-0" => "0".to_owned(),
+        text => text.to_owned(),
+    }
 }
 
 fn position(number: u32, of: u32) -> String {
@@ -144,6 +168,7 @@ struct Bars {
 #[derive(Debug)]
 struct Bar {
     drawn: ProgressBar,
+    stage: u32,
     generation: String,
     best: Option<f64>,
     fleet: String,
@@ -160,7 +185,7 @@ impl Bars {
             let drawn = self.all.add(ProgressBar::no_length().with_prefix(name.to_owned()));
             drawn.set_style(style("{prefix} {spinner} {pos} {wide_msg}"));
             drawn.enable_steady_tick(std::time::Duration::from_millis(250));
-            Bar { drawn, generation: String::new(), best: None, fleet: String::new() }
+            Bar { drawn, stage: 0, generation: String::new(), best: None, fleet: String::new() }
         })
     }
 
@@ -170,7 +195,8 @@ impl Bars {
                 let bar = self.bar(of.id, &of.name);
                 bar.length(of.planned);
                 bar.drawn.set_position(of.evaluated);
-                let best = of.progress.iter().filter_map(|run| run.best);
+                bar.stage = of.progress.iter().map(|run| run.stage).max().unwrap_or(0);
+                let best = of.progress.iter().filter(|run| run.stage == bar.stage).filter_map(|run| run.best);
                 bar.best = best.fold(bar.best, |best, next| Some(best.map_or(next, |b: f64| b.max(next))));
                 bar.draw();
             }
@@ -189,7 +215,10 @@ impl Bars {
 
     fn generation(&mut self, experiment: u64, name: &str, of: &v1::Generation) {
         let bar = self.bar(experiment, name);
-        bar.generation = format!("run {} generation {}", of.run, position(of.generation, of.generations));
+        bar.generation = format!("run {} {}", of.run, position_in(of));
+        if bar.stage != of.stage {
+            (bar.stage, bar.best) = (of.stage, None); // the fitness of different stages does not compare
+        }
         bar.best = Some(bar.best.map_or(of.best, |best| best.max(of.best)));
         bar.draw();
     }
@@ -251,7 +280,19 @@ mod tests {
             "crawler-grn run 2 generation 12/40 best 61.2000 mean 30.1250 worst 0.0000 culled 3 by #4711"
         );
         let endless = v1::Generation { generations: 0, stage_name: "reach".into(), ..generation() };
-        assert!(generation_line("a", &endless).starts_with("a run 2 reach generation 12 best"));
+        assert!(generation_line("a", &endless).starts_with("a run 2 reach 12 best"));
+    }
+
+    #[test]
+    fn a_generation_tells_the_numbers_that_its_search_noted() {
+        let notes = r#"{"best_span":50.4992,"median":483.0,"best_flap_frequency":0.17730,"stage":"reach","kept":[1]}"#;
+        let line = generation_line("flyers", &v1::Generation { notes: notes.into(), ..generation() });
+        assert!(line.ends_with(" by #4711; best_flap_frequency 0.177 best_span 50.499 median 483"), "{line}");
+        assert_eq!(
+            generation_line("a", &v1::Generation { notes: "{}".into(), ..generation() }),
+            generation_line("a", &generation())
+        );
+        assert_eq!([short(0.0), short(-1500.0), short(-1e-9)], ["0", "-1500", "0"]);
     }
 
     #[test]

@@ -1,29 +1,28 @@
 //! Conducting one experiment: every run from where it stands to its end. Runs go on side by side, so that
-//! the fleet works on while one of them waits for its last outcome. It decides nothing about evolution.
+//! the fleet works on while one of them waits for its last outcome, or for a pick. It decides nothing about
+//! evolution.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use bytes::Bytes;
-use creatures::{Cull, Outcome};
-use search::{Experiment, Place, Search};
+use creatures::Outcome;
+use search::{Experiment, Place};
 use serde_json::json;
-use tokio::sync::watch;
+use tokio::sync::{OwnedMutexGuard, mpsc, watch};
 use tokio::task::JoinSet;
 use tracing::Instrument as _;
 
 use super::Driver;
-use super::generation::{Generation, Inherited};
-use super::progress::{Ended, Happening, Progress, Tally};
-use crate::fleet::{Conflict, Evaluation, Queue, QueueOutput, Settled, TaskText};
+use super::generation::Inherited;
+use super::progress::Progress;
+use super::run::{Run, Step, Waiting};
+use crate::fleet::{Conflict, Queue, QueueOutput, Settled, TaskText};
 use crate::lineage::{
-    CloseGeneration, Culling, Ending, Evaluated, Event, ExperimentId, IndividualId, NewStage, OpenGeneration,
-    ReadError, StageId, State, StoredExperiment, WriteError, evaluation_seed,
+    Ending, Evaluated, Event, ExperimentId, IndividualId, ReadError, StageId, State, StoredExperiment,
+    WriteError,
 };
 
-/// The one stage of a run whose search is a plain genetic algorithm.
-pub(super) const STAGE: u32 = 0;
 /// How long an outcome may wait for others to be committed with it; as much is evaluated again after a kill.
 const WRITE_WITHIN: Duration = Duration::from_millis(50);
 /// So many outcomes are committed at once.
@@ -36,13 +35,18 @@ pub(super) enum ConductError {
     Read(#[from] ReadError),
     #[error(transparent)]
     Write(#[from] WriteError),
-    #[error("run {run}: its checkpoint is not understood: {problem}")]
-    Checkpoint { run: u32, problem: String },
-    #[error(
-        "run {run}, generation {generation}: the search now asks for other individuals than stand in the lineage"
-    )]
-    OtherHistory { run: u32, generation: u32 },
+    #[error("run {run}, {at}: its checkpoint is not understood: {problem}")]
+    Checkpoint { run: u32, at: String, problem: String },
+    #[error("run {run}, {at}: the search now asks for other individuals than stand in the lineage")]
+    OtherHistory { run: u32, at: String },
+    #[error("run {run}: the search {problem}")]
+    Search { run: u32, problem: String },
+    #[error("{0}")]
+    GaveUp(String),
 }
+
+/// A pick, for the one who conducts: at the end of which stage, and who goes on.
+pub(super) type Pick = (StageId, Place);
 
 /// What was settled and is not on disk yet: a commit an outcome would cost more than many an evaluation.
 struct Unwritten {
@@ -57,46 +61,70 @@ impl Default for Unwritten {
     }
 }
 
-/// One run under way.
-pub(super) struct Run {
-    /// From 1.
-    pub(super) number: u32,
-    stage: StageId,
-    search: Box<dyn Search>,
-    pub(super) generation: Generation,
-    inherited: u32,
-    opened: Instant,
-    /// To be handed out once the run waits for them: an outcome that came before would find nobody.
-    evaluations: Vec<Evaluation>,
-    /// All of the generation's, if the experiment is audited: an outcome may be taken back.
-    pub(super) again: BTreeMap<IndividualId, Evaluation>,
+/// How conducting came to its end.
+enum End {
+    /// Every run has ended.
+    Finished,
+    /// Nothing moves until somebody picks; nobody picks as long as the guard lives.
+    Awaiting(String, OwnedMutexGuard<()>),
+    /// The driver stops, or the experiment was cancelled.
+    Stopped,
 }
 
 /// What a run that goes on needs beside itself; shared by all of them.
 pub(super) struct Conductor {
     pub(super) driver: Driver,
     pub(super) id: ExperimentId,
-    experiment: Experiment,
-    task: Arc<TaskText>,
+    pub(super) experiment: Experiment,
+    pub(super) stored: StoredExperiment,
+    /// The experiment that a fork comes from.
+    pub(super) origin: Option<StoredExperiment>,
+    /// Of stages without a task of their own.
+    pub(super) task: Arc<TaskText>,
     pub(super) queue: Queue,
     pub(super) progress: Arc<Progress>,
 }
 
-/// Conducts an experiment until its last generation has ended, it is cancelled, or the driver stops.
+/// Runs on their way.
+#[derive(Default)]
+struct Runs {
+    /// For outcomes: by the id of the first individual of their generation, since ids are contiguous.
+    waiting: BTreeMap<IndividualId, Run>,
+    /// From one generation to the next.
+    turning: JoinSet<Result<Step, ConductError>>,
+    /// For a pick, at the end of a stage.
+    awaiting: BTreeMap<StageId, Waiting>,
+}
+
+/// Conducts an experiment until its last generation has ended, it waits for a pick, it is cancelled, or the
+/// driver stops.
 pub(super) async fn conduct(
     driver: Driver,
     stored: StoredExperiment,
     experiment: Experiment,
-    queue: (Queue, QueueOutput),
+    (queue, output): (Queue, QueueOutput),
     progress: Arc<Progress>,
+    picks: mpsc::UnboundedReceiver<Pick>,
 ) {
     let id = stored.id;
     let task = Arc::new(TaskText::new(&stored.system, stored.system_version, &stored.task_json));
-    let (queue, output) = queue;
-    let conductor = Arc::new(Conductor { driver: driver.clone(), id, experiment, task, queue, progress });
-    let ending = match conductor.clone().every_run(&stored, output).await {
-        Ok(true) => Some((State::Finished, String::new())),
-        Ok(false) => None,
+    let end = async {
+        let origin = match stored.origin {
+            Some(origin) => Some(driver.shared.lineage.reader().experiment(origin.experiment).await?),
+            None => None,
+        };
+        let driver = driver.clone();
+        let conductor = Conductor { driver, id, experiment, stored, origin, task, queue, progress };
+        Arc::new(conductor).every_run(output, picks).await
+    };
+    let mut guard = None;
+    let ending = match end.await {
+        Ok(End::Finished) => Some((State::Finished, String::new())),
+        Ok(End::Stopped) => None,
+        Ok(End::Awaiting(reason, nobody_picks)) => {
+            guard = Some(nobody_picks);
+            Some((State::Awaiting, reason))
+        }
         Err(ConductError::Write(WriteError::Closed { reason })) => {
             tracing::warn!(experiment = %id, reason, "the lineage is closed");
             None
@@ -108,59 +136,74 @@ pub(super) async fn conduct(
     };
     driver.active().remove(&id);
     if let Some((state, reason)) = ending
-        && let Err(error) = driver.settle_state(id, state, &reason).await
+        && let Err(error) = driver.rest(id, state, &reason).await
     {
         tracing::error!(experiment = %id, %error, "its end could not be written");
     }
+    drop(guard);
 }
 
 impl Conductor {
-    /// Gives whether every run has ended; not so when the driver stops.
     async fn every_run(
         self: Arc<Self>,
-        stored: &StoredExperiment,
         mut output: QueueOutput,
-    ) -> Result<bool, ConductError> {
+        mut picks: mpsc::UnboundedReceiver<Pick>,
+    ) -> Result<End, ConductError> {
         let mut stopping = self.driver.shared.stopping.subscribe();
-        // Runs by the id of the first individual of their generation: ids are contiguous.
-        let mut waiting: BTreeMap<IndividualId, Run> = BTreeMap::new();
-        let mut turning: JoinSet<Result<Option<Run>, ConductError>> = JoinSet::new();
+        let mut runs = Runs::default();
         let mut unwritten = Unwritten::default();
         for number in 1..=self.experiment.runs {
-            if let Some(run) = self.take_up(stored, number).await? {
-                self.clone().place(run, &mut waiting, &mut turning).await;
-            }
+            let step = self.take_up(number).await?;
+            self.clone().place(step, &mut runs).await;
         }
-        while !(waiting.is_empty() && turning.is_empty()) {
+        loop {
+            if runs.waiting.is_empty() && runs.turning.is_empty() {
+                if runs.awaiting.is_empty() {
+                    return Ok(End::Finished);
+                }
+                let nobody_picks = self.driver.shared.picking.clone().lock_owned().await;
+                match picks.try_recv() {
+                    Ok(pick) => self.clone().picked(pick, &mut runs),
+                    Err(_) => return Ok(End::Awaiting(self.awaited(&runs.awaiting), nobody_picks)),
+                }
+                continue;
+            }
             tokio::select! {
                 () = stopped(&mut stopping) => {
                     self.write(&mut unwritten).await?;
-                    return Ok(false);
+                    return Ok(End::Stopped);
                 }
-                Some(turned) = turning.join_next() => {
-                    let turned = turned.expect("a turn neither panics nor is aborted while it is awaited")?;
-                    if let Some(run) = turned {
-                        self.clone().place(run, &mut waiting, &mut turning).await;
+                Some(turned) = runs.turning.join_next() => {
+                    let turned = turned.expect("a turn neither panics nor is aborted while it is awaited");
+                    if turned.is_err() {
+                        self.write(&mut unwritten).await?; // what other runs came to
                     }
+                    self.clone().place(turned?, &mut runs).await;
                 }
+                Some(pick) = picks.recv() => self.clone().picked(pick, &mut runs),
                 settled = output.next() => {
                     let Some(settled) = settled else {
                         self.write(&mut unwritten).await?;
-                        return Ok(false);
+                        return Ok(End::Stopped);
                     };
                     self.report(output.take_conflicts()).await?;
-                    let mut complete = self.settle(settled, &mut waiting, &mut unwritten);
-                    for verdict in output.take_quarantined() {
+                    let mut complete = self.settle(settled, &mut runs.waiting, &mut unwritten);
+                    let verdicts = output.take_quarantined();
+                    for verdict in &verdicts {
+                        // Before the outcome that it was found out by: a kill between them must not hide it.
+                        self.driver.shared.lineage.worker_quarantined(verdict.worker.clone()).await?;
+                    }
+                    for verdict in verdicts {
                         // A generation whose last outcome came with the verdict is still open.
-                        waiting.extend(complete.drain(..).map(|run| (run.generation.first(), run)));
+                        runs.waiting.extend(complete.drain(..).map(|run| (run.generation.first(), run)));
                         self.write(&mut unwritten).await?;
-                        complete = self.redo(&verdict.worker, &mut waiting).await?;
+                        complete = self.redo(&verdict.worker, &mut runs.waiting).await?;
                     }
                     if !complete.is_empty() || unwritten.evaluated.len() >= WRITE_AT {
                         self.write(&mut unwritten).await?;
                     }
                     for run in complete {
-                        self.clone().place(run, &mut waiting, &mut turning).await;
+                        self.clone().place(Step::Goes(Box::new(run)), &mut runs).await;
                     }
                 }
                 () = tokio::time::sleep_until(unwritten.due), if !unwritten.evaluated.is_empty() => {
@@ -168,210 +211,54 @@ impl Conductor {
                 }
             }
         }
-        Ok(true)
     }
 
     /// Lets a run wait for outcomes, and only then hands its evaluations out; or, if no outcome is missing,
-    /// lets it turn to its next generation.
-    async fn place(
-        self: Arc<Self>,
-        mut run: Run,
-        waiting: &mut BTreeMap<IndividualId, Run>,
-        turning: &mut JoinSet<Result<Option<Run>, ConductError>>,
-    ) {
-        if run.generation.complete() {
-            let span = tracing::debug_span!("turn", run = run.number, generation = run.generation.number);
-            turning.spawn(async move { self.turn(run).await }.instrument(span));
-        } else {
-            let evaluations = std::mem::take(&mut run.evaluations);
-            waiting.insert(run.generation.first(), run);
-            self.queue.submit(evaluations).await;
+    /// lets it turn to its next generation; or lets it wait for a pick.
+    async fn place(self: Arc<Self>, step: Step, runs: &mut Runs) {
+        match step {
+            Step::Goes(run) if run.generation.complete() => {
+                let span = tracing::debug_span!("turn", run = run.number, generation = run.generation.number);
+                runs.turning.spawn(async move { self.turn(*run).await }.instrument(span));
+            }
+            Step::Goes(mut run) => {
+                let evaluations = std::mem::take(&mut run.evaluations);
+                runs.waiting.insert(run.generation.first(), *run);
+                self.queue.submit(evaluations).await;
+            }
+            Step::Waits(waiting) => {
+                runs.awaiting.insert(waiting.stage, waiting);
+            }
+            Step::Over(number) => self.progress.finished(number),
         }
     }
 
-    /// Takes a run up where it stands; none if it has ended.
-    async fn take_up(&self, stored: &StoredExperiment, number: u32) -> Result<Option<Run>, ConductError> {
-        let lineage = &self.driver.shared.lineage;
-        let stage = match stored.stages.iter().find(|stage| stage.run == number && stage.stage == STAGE) {
-            Some(stage) if stage.ended => {
-                self.progress.finished(number);
-                return Ok(None);
-            }
-            Some(stage) => stage.id,
-            None => {
-                let new = NewStage {
-                    experiment: self.id,
-                    run: number,
-                    stage: STAGE,
-                    name: String::new(),
-                    seed: self.experiment.seed_of(number),
-                    generations: self.experiment.generations(),
-                };
-                lineage.open_stage(new).await?
-            }
-        };
-        match lineage.reader().resume_point(stage).await? {
-            Some(point) => self.resume(number, stage, point).await.map(Some),
-            None => {
-                let mut search = self.experiment.start(number);
-                let checkpoint = search.checkpoint();
-                let individuals = tokio::task::block_in_place(|| search.ask());
-                self.open(number, stage, search, checkpoint, individuals, None, None).await
-            }
+    /// Lets a run that waited for this pick go on. One that nobody waits for was taken into account when its
+    /// run was taken up.
+    fn picked(self: Arc<Self>, (stage, place): Pick, runs: &mut Runs) {
+        if let Some(waiting) = runs.awaiting.remove(&stage) {
+            runs.turning.spawn(async move { self.follow(waiting, place).await });
         }
     }
 
-    /// Goes on with a generation that stands in the lineage.
-    async fn resume(
-        &self,
-        number: u32,
-        stage: StageId,
-        point: crate::lineage::ResumePoint,
-    ) -> Result<Run, ConductError> {
-        let mut search = self
-            .experiment
-            .restore(number, &point.checkpoint)
-            .map_err(|problem| ConductError::Checkpoint { run: number, problem: problem.to_string() })?;
-        let individuals = tokio::task::block_in_place(|| search.ask());
-        let same = individuals.len() == point.individuals.len()
-            && individuals
-                .iter()
-                .zip(&point.individuals)
-                .all(|(asked, standing)| standing.has(&asked.genotype));
-        let (true, Some(first)) = (same, point.individuals.first()) else {
-            return Err(ConductError::OtherHistory { run: number, generation: point.generation });
-        };
-        let known = |standing: &[crate::lineage::Standing]| {
-            standing.iter().map(|one| one.ending.clone().map(Result::ok)).collect::<Vec<_>>()
-        };
-        let previous = point.previous.first().map(|first| {
-            let none = vec![None; point.previous.len()];
-            Generation::new(point.generation - 1, first.id, &none, known(&point.previous), None).0
-        });
-        let inherits: Vec<_> = individuals.iter().map(|individual| individual.inherits).collect();
-        let settled = known(&point.individuals);
-        let (generation, inherited) =
-            Generation::new(point.generation, first.id, &inherits, settled, previous.as_ref());
-        let run = Run {
-            number,
-            stage,
-            search,
-            generation,
-            inherited: 0,
-            opened: Instant::now(),
-            evaluations: Vec::new(),
-            again: BTreeMap::new(),
-        };
-        self.begin(run, individuals, inherited, point.culling).await
-    }
-
-    /// Writes the next generation down, with the end of the one before, and hands it out. None if the search
-    /// asks for nothing more: then the stage is closed.
-    #[allow(clippy::too_many_arguments, reason = "the parts of one transaction, named once")]
-    async fn open(
-        &self,
-        number: u32,
-        stage: StageId,
-        search: Box<dyn Search>,
-        checkpoint: Vec<u8>,
-        individuals: Vec<search::Individual>,
-        previous: Option<&Generation>,
-        close: Option<CloseGeneration>,
-    ) -> Result<Option<Run>, ConductError> {
-        let lineage = &self.driver.shared.lineage;
-        if individuals.is_empty() {
-            let close =
-                close.unwrap_or_else(|| CloseGeneration { record: Default::default(), wall_seconds: 0.0 });
-            lineage.close_stage(stage, close, checkpoint).await?;
-            return Ok(None);
-        }
-        let generation = previous.map_or(1, |previous| previous.number + 1);
-        let culling = self.experiment.culling().map(|rule| Culling {
-            at: rule.at,
-            cutoff: previous
-                .and_then(|previous| rule.cutoff(&previous.outcomes(), self.experiment.interim_measure())),
-        });
-        let ids = lineage
-            .open_generation(OpenGeneration {
-                stage,
-                generation,
-                checkpoint,
-                culling,
-                individuals: individuals.clone(),
-                close,
-            })
-            .await?;
-        let inherits: Vec<_> = individuals.iter().map(|individual| individual.inherits).collect();
-        let none = vec![None; individuals.len()];
-        let (generation, inherited) = Generation::new(generation, ids[0], &inherits, none, previous);
-        let run = Run {
-            number,
-            stage,
-            search,
-            generation,
-            inherited: 0,
-            opened: Instant::now(),
-            evaluations: Vec::new(),
-            again: BTreeMap::new(),
-        };
-        self.begin(run, individuals, inherited, culling).await.map(Some)
-    }
-
-    /// Records what needs no evaluation and makes the others ready to be handed out.
-    async fn begin(
-        &self,
-        mut run: Run,
-        individuals: Vec<search::Individual>,
-        inherited: Vec<Inherited>,
-        culling: Option<Culling>,
-    ) -> Result<Run, ConductError> {
-        run.inherited = individuals.iter().filter(|individual| individual.inherits.is_some()).count() as u32;
-        self.driver.shared.lineage.record(inherited.into_iter().map(take_over).collect()).await?;
-        let unsettled = run.generation.unsettled();
-        self.progress.settled(individuals.len() - unsettled.len(), 0);
-        self.progress.generation(run.number, STAGE, &run.generation);
-        let is_unsettled = unsettled.into_iter().collect::<BTreeSet<_>>();
-        for (index, individual) in individuals.into_iter().enumerate() {
-            let may_be_taken_back = self.experiment.audit > 0.0 && individual.inherits.is_none();
-            if !may_be_taken_back && !is_unsettled.contains(&index) {
-                continue;
+    /// What is awaited, and what to type.
+    fn awaited(&self, awaiting: &BTreeMap<StageId, Waiting>) -> String {
+        let mut names: Vec<&str> = awaiting.values().map(|waiting| waiting.name.as_str()).collect();
+        names.sort_unstable();
+        names.dedup();
+        let names = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+        let runs = match self.experiment.runs {
+            1 => String::new(),
+            _ => {
+                let mut runs: Vec<_> = awaiting.values().map(|waiting| waiting.number.to_string()).collect();
+                runs.sort_unstable();
+                format!(" of run {}", runs.join(", "))
             }
-            let id = run.generation.id(index).expect("it has an id for each individual");
-            let evaluation = self.evaluation(&run, id, index as u32, individual.genotype, culling);
-            if is_unsettled.contains(&index) {
-                run.evaluations.push(evaluation.clone());
-            }
-            if may_be_taken_back {
-                run.again.insert(id, evaluation);
-            }
-        }
-        Ok(run)
-    }
-
-    fn evaluation(
-        &self,
-        run: &Run,
-        id: IndividualId,
-        index: u32,
-        genotype: Vec<u8>,
-        culling: Option<Culling>,
-    ) -> Evaluation {
-        let seed = self.experiment.seed_of(run.number);
-        let place = Place { stage: STAGE, generation: run.generation.number, index };
-        Evaluation {
-            id: id.0,
-            order: (run.number, place.generation, place.index),
-            task: self.task.clone(),
-            genotype: Bytes::from(genotype),
-            seed: evaluation_seed(seed, place),
-            cull: culling.map(|culling| Cull {
-                at: culling.at,
-                cutoff: culling.cutoff,
-                control: self.experiment.culling().is_some_and(|rule| rule.in_control(seed, place)),
-            }),
-            audit: self.experiment.audits(seed, place),
-            attempts_before: 0,
-        }
+        };
+        let id = self.id;
+        format!(
+            "stage {names}{runs} waits for a pick: see `hatchery candidates {id}`, then `hatchery pick {id} INDIVIDUAL`"
+        )
     }
 
     /// Notes what the fleet has settled, to be written soon, and gives the runs that miss nothing any more:
@@ -416,7 +303,7 @@ impl Conductor {
         let mut complete = Vec::new();
         for first in touched {
             let run = &waiting[&first];
-            self.progress.generation(run.number, STAGE, &run.generation);
+            self.progress.generation(run);
             if run.generation.complete() {
                 complete.extend(waiting.remove(&first));
             }
@@ -457,46 +344,6 @@ impl Conductor {
         }
         Ok(())
     }
-
-    /// Tells the search a whole generation and opens the next.
-    async fn turn(&self, mut run: Run) -> Result<Option<Run>, ConductError> {
-        let outcomes = run.generation.outcomes();
-        let (record, checkpoint, individuals) = tokio::task::block_in_place(|| {
-            let record = run.search.tell(&outcomes);
-            let checkpoint = run.search.checkpoint();
-            (record, checkpoint, run.search.ask())
-        });
-        let seconds = run.opened.elapsed().as_secs_f64();
-        let ended = Ended {
-            run: run.number,
-            stage: STAGE,
-            generation: run.generation.number,
-            generations: self.experiment.generations(),
-            tally: Tally::of(&outcomes),
-            inherited: run.inherited,
-            best: run.generation.best().map(|(id, _)| id),
-            seconds,
-            notes: serde_json::Value::Object(record.notes.clone()).to_string(),
-        };
-        let close = CloseGeneration { record, wall_seconds: seconds };
-        let next = self
-            .open(
-                run.number,
-                run.stage,
-                run.search,
-                checkpoint,
-                individuals,
-                Some(&run.generation),
-                Some(close),
-            )
-            .await?;
-        if next.is_none() {
-            self.progress.finished(run.number);
-        }
-        // Nobody listening is no error.
-        let _ = self.driver.shared.happenings.send(Happening::Generation(self.id, Box::new(ended)));
-        Ok(next)
-    }
 }
 
 /// Waits until the driver stops.
@@ -505,7 +352,7 @@ async fn stopped(stopping: &mut watch::Receiver<bool>) {
     let _ = stopping.wait_for(|stopping| *stopping).await;
 }
 
-fn take_over(inherited: Inherited) -> Evaluated {
+pub(super) fn take_over(inherited: Inherited) -> Evaluated {
     Evaluated {
         individual: inherited.heir,
         ending: Ending::Inherits(inherited.from),

@@ -1,19 +1,28 @@
 //! The driver: the order of effects between search, lineage and fleet. A generation's end is on disk before
 //! the next one is handed out. It knows no genotype, no SQL and no stream.
 
+mod ahead;
+mod amend;
 mod conduct;
+mod fork;
 mod generation;
+mod pick;
 mod progress;
 mod redo;
+mod restore;
+mod run;
 mod submit;
 
+pub use amend::{AmendError, Changed, amend_at_rest};
+pub use fork::{Fork, ForkError, fork_at_rest};
+pub use pick::{PickError, pick_at_rest};
 pub use progress::{Counts, Ended, Happening, Progress, RunProgress, Tally};
 pub use submit::{Submission, SubmitError};
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use tokio::sync::{broadcast, watch};
+use tokio::sync::{broadcast, mpsc, watch};
 use tokio::task::JoinHandle;
 use tracing::Instrument as _;
 
@@ -59,6 +68,8 @@ struct Shared {
     fleet: Fleet,
     fingerprint: [u8; 32],
     active: Mutex<BTreeMap<ExperimentId, Active>>,
+    /// Held by who picks, and by an experiment that comes to rest for want of a pick.
+    picking: Arc<tokio::sync::Mutex<()>>,
     happenings: broadcast::Sender<Happening>,
     stopping: watch::Sender<bool>,
 }
@@ -68,6 +79,7 @@ struct Active {
     name: String,
     control: QueueControl,
     progress: Arc<Progress>,
+    picks: mpsc::UnboundedSender<conduct::Pick>,
     conducting: JoinHandle<()>,
 }
 
@@ -90,6 +102,7 @@ impl Driver {
                 fleet,
                 fingerprint,
                 active: Mutex::default(),
+                picking: Arc::default(),
                 happenings: broadcast::channel(4096).0,
                 stopping: watch::channel(false).0,
             }),
@@ -126,7 +139,7 @@ impl Driver {
         let stored = self.shared.lineage.reader().experiment(id).await?;
         match stored.state {
             State::Paused => return Ok(()),
-            State::Running => {}
+            State::Running | State::Awaiting => {}
             ended => return Err(ControlError::Ended(id, ended)),
         }
         let control = self.active().get(&id).map(|active| active.control.clone());
@@ -137,18 +150,18 @@ impl Driver {
         Ok(())
     }
 
-    /// Goes on with a paused experiment.
+    /// Goes on with a paused experiment. One that waits for a pick goes on waiting.
     ///
     /// # Errors
     /// One that has ended, or was begun by other physics; a lineage that fails.
     pub async fn resume(&self, id: ExperimentId) -> Result<(), ControlError> {
         let stored = self.shared.lineage.reader().experiment(id).await?;
         match stored.state {
-            State::Running => return Ok(()),
+            State::Running | State::Awaiting => return Ok(()),
             State::Paused => {}
             ended => return Err(ControlError::Ended(id, ended)),
         }
-        if let Some(reason) = self.incompatible(&stored) {
+        if let Some(reason) = incompatible(&stored, &self.shared.fingerprint) {
             return Err(ControlError::Incompatible(id, reason));
         }
         let control = self.active().get(&id).map(|active| active.control.clone());
@@ -215,30 +228,10 @@ impl Driver {
         }
     }
 
-    /// Why an experiment cannot go on in this program: it was begun by other physics.
-    fn incompatible(&self, stored: &StoredExperiment) -> Option<String> {
-        let known = creatures::system(&stored.system).map(creatures::System::version);
-        if known != Some(stored.system_version) {
-            return Some(format!(
-                "it was begun by version {} of system `{}`, and this program has {}",
-                stored.system_version,
-                stored.system,
-                known.map_or("none".to_owned(), |version| format!("version {version}"))
-            ));
-        }
-        (stored.fingerprint != self.shared.fingerprint).then(|| {
-            format!(
-                "it was begun under the physics fingerprint {}, and this program has {}: use the program that began it",
-                short(&stored.fingerprint),
-                short(&self.shared.fingerprint)
-            )
-        })
-    }
-
     /// Conducts an experiment of the lineage from where it stands.
     async fn take_up(&self, stored: StoredExperiment) -> Result<(), WriteError> {
         let id = stored.id;
-        if let Some(reason) = self.incompatible(&stored) {
+        if let Some(reason) = incompatible(&stored, &self.shared.fingerprint) {
             tracing::warn!(experiment = %id, reason, "not taken up");
             self.settle_state(id, State::Paused, &reason).await?;
             return Ok(());
@@ -254,25 +247,64 @@ impl Driver {
         let queue = self.shared.fleet.queue(stored.name.clone(), 1).await;
         let control = queue.0.control();
         let progress = Arc::new(Progress::new(&experiment));
+        let (picks, made) = mpsc::unbounded_channel();
+        // Its end takes it out again: it must be in by then.
+        let mut active = self.active();
         let name = stored.name.clone();
         let span = tracing::info_span!("experiment", id = id.0, name);
-        let conduct = conduct::conduct(self.clone(), stored, experiment, queue, progress.clone());
+        let conduct = conduct::conduct(self.clone(), stored, experiment, queue, progress.clone(), made);
         let conducting = tokio::spawn(conduct.instrument(span));
-        self.active().insert(id, Active { name, control, progress, conducting });
+        active.insert(id, Active { name, control, progress, picks, conducting });
         Ok(())
+    }
+
+    /// Writes down how conducting ended. One that was paused meanwhile stays so if it waits for a pick.
+    async fn rest(&self, id: ExperimentId, state: State, reason: &str) -> Result<(), WriteError> {
+        if state == State::Awaiting {
+            let stored = self.shared.lineage.reader().experiment(id).await;
+            if stored.is_ok_and(|stored| stored.state != State::Running) {
+                return Ok(());
+            }
+        }
+        self.settle_state(id, state, reason).await
     }
 
     /// Writes a state down and tells the watchers.
     async fn settle_state(&self, id: ExperimentId, state: State, reason: &str) -> Result<(), WriteError> {
         self.shared.lineage.set_state(id, state, reason.to_owned()).await?;
+        self.tell(id);
+        Ok(())
+    }
+
+    /// Tells the watchers that an experiment has another state.
+    fn tell(&self, id: ExperimentId) {
         // Nobody listening is no error.
         let _ = self.shared.happenings.send(Happening::State(id));
-        Ok(())
     }
 
     fn active(&self) -> std::sync::MutexGuard<'_, BTreeMap<ExperimentId, Active>> {
         self.shared.active.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// Why an experiment cannot go on in this program: it was begun by other physics (ESP EF-12).
+fn incompatible(stored: &StoredExperiment, fingerprint: &[u8; 32]) -> Option<String> {
+    let known = creatures::system(&stored.system).map(creatures::System::version);
+    if known != Some(stored.system_version) {
+        return Some(format!(
+            "it was begun by version {} of system `{}`, and this program has {}",
+            stored.system_version,
+            stored.system,
+            known.map_or("none".to_owned(), |version| format!("version {version}"))
+        ));
+    }
+    (stored.fingerprint != *fingerprint).then(|| {
+        format!(
+            "it was begun under the physics fingerprint {}, and this program has {}: use the program that began it",
+            short(&stored.fingerprint),
+            short(fingerprint)
+        )
+    })
 }
 
 /// The first bytes of a hash, for people.

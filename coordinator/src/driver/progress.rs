@@ -6,7 +6,8 @@ use std::time::Instant;
 use creatures::{Outcome, Status};
 use search::Experiment;
 
-use super::generation::{Generation, Known};
+use super::generation::Known;
+use super::run::Run;
 use crate::lineage::{ExperimentId, IndividualId};
 
 /// Something that watchers want to know.
@@ -25,6 +26,8 @@ pub struct Ended {
     pub run: u32,
     /// From 0.
     pub stage: u32,
+    /// The stage's name; may be empty.
+    pub stage_name: String,
     /// From 1.
     pub generation: u32,
     /// Of the stage, when known.
@@ -101,13 +104,17 @@ impl Tally {
 pub struct RunProgress {
     /// From 0.
     pub stage: u32,
+    /// The stage's name; may be empty.
+    pub stage_name: String,
     /// The one under evaluation, from 1; 0 before the first.
     pub generation: u32,
+    /// How many the stage takes, when it says so.
+    pub generations: Option<u32>,
     /// How many individuals it has.
     pub size: usize,
     /// How many of them are settled.
     pub done: usize,
-    /// The best completed individual of the run since it was taken up, and its fitness.
+    /// The best completed individual of the stage since the run was taken up, and its fitness.
     pub best: Option<(IndividualId, f64)>,
     /// Every generation has ended.
     pub finished: bool,
@@ -152,12 +159,19 @@ impl Progress {
         self.lock().clone()
     }
 
-    pub(super) fn generation(&self, run: u32, stage: u32, generation: &Generation) {
+    pub(super) fn generation(&self, of: &Run) {
         let mut counts = self.lock();
-        let run = &mut counts.runs[run as usize - 1];
-        let (size, done) = generation.progress();
-        (run.stage, run.generation, run.size, run.done) = (stage, generation.number, size, done);
-        if let Some((id, fitness)) = generation.best()
+        let run = &mut counts.runs[of.number as usize - 1];
+        if run.stage != of.named.number {
+            run.best = None; // the fitness of different stages does not compare
+        }
+        if run.stage_name != of.named.name {
+            run.stage_name.clone_from(&of.named.name);
+            run.generations = of.named.generations;
+        }
+        let (size, done) = of.generation.progress();
+        (run.stage, run.generation, run.size, run.done) = (of.named.number, of.generation.number, size, done);
+        if let Some((id, fitness)) = of.generation.best()
             && run.best.is_none_or(|(_, best)| fitness > best)
         {
             run.best = Some((id, fitness));

@@ -3,7 +3,7 @@
 use search::{Experiment, Overrides, Problem};
 
 use super::{ControlError, Driver};
-use crate::lineage::{ExperimentId, NewExperiment, ReadError, WriteError};
+use crate::lineage::{ExperimentId, NewExperiment, Origin, ReadError, WriteError};
 
 /// What is submitted.
 #[derive(Debug, Clone)]
@@ -54,7 +54,7 @@ impl Driver {
             .iter()
             .zip(&ids)
             .filter(|(_, id)| id.is_none())
-            .map(|(cell, _)| self.describe(cell))
+            .map(|(cell, _)| describe(cell, self.shared.fingerprint, None))
             .collect();
         let resumed = new.len() < cells.len();
         let mut created = if new.is_empty() { vec![] } else { lineage.create(new).await? }.into_iter();
@@ -75,25 +75,27 @@ impl Driver {
         }
         Ok((all, resumed))
     }
+}
 
-    fn describe(&self, cell: &Experiment) -> NewExperiment {
-        let system = creatures::system(&cell.system).expect("a parsed experiment names a known system");
-        NewExperiment {
-            name: cell.name.clone(),
-            group: cell.group.clone(),
-            cell: cell.coordinates(),
-            system: cell.system.clone(),
-            system_version: system.version(),
-            search_kind: cell.search_kind().to_owned(),
-            seed: cell.seed,
-            runs: cell.runs,
-            task_json: cell.task_json(),
-            resolved: cell.resolved(),
-            digest: cell.digest(),
-            published: cell.published(),
-            program_version: env!("CARGO_PKG_VERSION").to_owned(),
-            fingerprint: self.shared.fingerprint,
-            planned: cell.planned(),
-        }
+/// An experiment as the lineage takes it.
+pub(super) fn describe(cell: &Experiment, fingerprint: [u8; 32], origin: Option<Origin>) -> NewExperiment {
+    let system = creatures::system(&cell.system).expect("a parsed experiment names a known system");
+    NewExperiment {
+        name: cell.name.clone(),
+        group: cell.group.clone(),
+        cell: cell.coordinates(),
+        system: cell.system.clone(),
+        system_version: system.version(),
+        search_kind: cell.search_kind().to_owned(),
+        seed: cell.seed,
+        runs: cell.runs,
+        task_json: cell.task_json(),
+        resolved: cell.resolved(),
+        digest: cell.digest(),
+        published: cell.published(),
+        program_version: env!("CARGO_PKG_VERSION").to_owned(),
+        fingerprint,
+        planned: cell.planned(),
+        origin,
     }
 }

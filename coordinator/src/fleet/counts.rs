@@ -1,6 +1,7 @@
 //! What the fleet has done since it started, as counters that a scrape reads. Nothing is decided by them.
 
 use super::{Conflict, Fate, Settled};
+use crate::lineage::Audited;
 use creatures::Status;
 use prometheus_client::metrics::counter::Counter;
 use prometheus_client::metrics::family::Family;
@@ -15,6 +16,8 @@ type Label = [(&'static str, &'static str); 1];
 pub(crate) struct Counts {
     evaluations: Family<Label, Counter>,
     attempts: Family<Label, Counter>,
+    audits: Family<Label, Counter>,
+    quarantined: Counter,
     handed_out: Counter,
     steps: Counter,
     steps_spared: Counter,
@@ -41,16 +44,26 @@ impl Counts {
         };
         self.evaluations.get_or_create(&[("outcome", outcome)]).inc();
         self.steps_spared.inc_by(settled.steps_spared);
+        if let Some(audit) = settled.audit {
+            self.audits.get_or_create(&[("result", Audited::word(audit))]).inc();
+        }
         for attempt in &settled.attempts {
             let fate = match &attempt.fate {
                 Fate::Counted => "counted",
                 Fate::Duplicate => "duplicate",
+                Fate::Confirmed => "confirmed",
+                Fate::Refuted => "refuted",
                 Fate::Lost(_) => "lost",
                 Fate::Failed(_) => "failed",
             };
             self.attempts.get_or_create(&[("fate", fate)]).inc();
             self.steps.inc_by(attempt.steps);
         }
+    }
+
+    /// A worker is trusted no more.
+    pub(super) fn quarantined(&self) {
+        self.quarantined.inc();
     }
 
     pub(super) fn contradicted(&self, conflicts: &[Conflict]) {
@@ -74,6 +87,12 @@ impl Counts {
             "attempts",
             "Attempts at evaluations that were settled, by fate",
             self.attempts.clone(),
+        );
+        registry.register("audits", "Audits of evaluations that were chosen for one", self.audits.clone());
+        registry.register(
+            "workers_quarantined",
+            "Workers that found other bits than two others",
+            self.quarantined.clone(),
         );
         registry.register(
             "evaluations_handed_out",

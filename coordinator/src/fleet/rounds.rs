@@ -268,6 +268,7 @@ impl Rounds {
                     witnesses = ?verdict.witnesses,
                     "a worker found other bits than two others, and is quarantined"
                 );
+                self.counts.quarantined();
                 // Nobody listening is no error.
                 let _ = self.changes.send(Change::Quarantined(verdict));
             }

@@ -3,6 +3,7 @@
 
 use super::{ExperimentId, IndividualId, StageId};
 use creatures::{Outcome, Verdict};
+use search::{PickedBy, Place};
 
 /// An experiment as it was submitted: one cell of a matrix, or the whole file.
 #[derive(Debug, Clone)]
@@ -37,6 +38,17 @@ pub struct NewExperiment {
     pub fingerprint: [u8; 32],
     /// Individuals in all its runs, when the search knows.
     pub planned: Option<u64>,
+    /// Whose first stages are its own as well; `None` for one that begins at the beginning.
+    pub origin: Option<Origin>,
+}
+
+/// Where a fork leaves the experiment that it comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Origin {
+    /// Which holds the stage.
+    pub experiment: ExperimentId,
+    /// The last stage that both have. Who goes on from its end is chosen anew.
+    pub stage: u32,
 }
 
 /// What an experiment is up to.
@@ -46,6 +58,8 @@ pub enum State {
     Running,
     /// Nothing is handed out until someone resumes it.
     Paused,
+    /// Nothing is handed out until someone picks who goes on.
+    Awaiting,
     /// Every run has ended.
     Finished,
     /// Ended by hand, for good.
@@ -56,23 +70,24 @@ pub enum State {
 
 impl State {
     /// Every state.
-    pub const ALL: [State; 5] =
-        [State::Running, State::Paused, State::Finished, State::Cancelled, State::Failed];
+    pub const ALL: [State; 6] =
+        [State::Running, State::Paused, State::Awaiting, State::Finished, State::Cancelled, State::Failed];
 
     /// Its word in the lineage and on the wire.
     pub fn word(self) -> &'static str {
         match self {
             State::Running => "running",
             State::Paused => "paused",
+            State::Awaiting => "awaiting",
             State::Finished => "finished",
             State::Cancelled => "cancelled",
             State::Failed => "failed",
         }
     }
 
-    /// True of states that a restart takes up again.
+    /// True of states from which it can still go on.
     pub fn is_unfinished(self) -> bool {
-        matches!(self, State::Running | State::Paused)
+        matches!(self, State::Running | State::Paused | State::Awaiting)
     }
 }
 
@@ -91,13 +106,24 @@ pub struct NewStage {
     pub seed: u64,
     /// How many generations it takes, when known.
     pub generations: Option<u32>,
+    /// JSON text of the resolved task of its evaluations; `None` for the experiment's.
+    pub task_json: Option<String>,
 }
 
-/// The next generation of a stage, and the end of the one before: one transaction.
+/// The stage of a generation that is opened.
+#[derive(Debug, Clone)]
+pub enum InStage {
+    /// One that stands already.
+    Open(StageId),
+    /// One that begins with it.
+    New(NewStage),
+}
+
+/// The next generation of a run, and the end of what was before: one transaction.
 #[derive(Debug, Clone)]
 pub struct OpenGeneration {
     /// Its stage.
-    pub stage: StageId,
+    pub stage: InStage,
     /// Its number, from 1: one more than the last.
     pub generation: u32,
     /// The search's state before it asked for these individuals.
@@ -106,8 +132,70 @@ pub struct OpenGeneration {
     pub culling: Option<Culling>,
     /// In order of index.
     pub individuals: Vec<search::Individual>,
-    /// What the search said of the previous generation; `None` for the first of a stage.
+    /// What the search said of the previous generation of its stage; `None` for the first.
     pub close: Option<CloseGeneration>,
+    /// The stage that ends with it; `None` while one goes on, or where it has ended before.
+    pub ends: Option<EndStage>,
+    /// Who goes on from the end of a stage; `None` while one goes on, or where that stands already.
+    pub choice: Option<NewChoice>,
+}
+
+/// The end of a stage.
+#[derive(Debug, Clone)]
+pub struct EndStage {
+    /// Which.
+    pub stage: StageId,
+    /// What the search said of its last generation.
+    pub close: CloseGeneration,
+    /// The search's state after that.
+    pub checkpoint: Vec<u8>,
+    /// Whether the run has ended with it.
+    pub over: bool,
+}
+
+/// Who may go on from the end of a stage.
+#[derive(Debug, Clone)]
+pub struct NewChoice {
+    /// Whose choice it is: of a fork, not the stage's own.
+    pub experiment: ExperimentId,
+    /// At whose end.
+    pub stage: StageId,
+    /// Best first.
+    pub candidates: Vec<search::Candidate>,
+    /// Who does, unless somebody has yet to pick.
+    pub picked: Option<Place>,
+}
+
+/// A changed file for an experiment that goes on with it.
+#[derive(Debug, Clone)]
+pub struct Amendment {
+    /// Which.
+    pub experiment: ExperimentId,
+    /// The resolved file.
+    pub resolved: String,
+    /// BLAKE3 of the resolved file.
+    pub digest: [u8; 32],
+    /// JSON text of the resolved task of stages without one of their own.
+    pub task_json: String,
+    /// Individuals in all its runs, when the search knows.
+    pub planned: Option<u64>,
+    /// What differs, for those who read events: a JSON object.
+    pub data: serde_json::Value,
+}
+
+/// Somebody's pick.
+#[derive(Debug, Clone)]
+pub struct NewPick {
+    /// Of which experiment.
+    pub experiment: ExperimentId,
+    /// At the end of which stage.
+    pub stage: StageId,
+    /// One of the candidates.
+    pub individual: IndividualId,
+    /// Who picked.
+    pub by: PickedBy,
+    /// Why, in words; may be empty.
+    pub note: String,
 }
 
 /// The culling rule of a generation (design: culling).

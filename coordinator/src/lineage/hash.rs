@@ -59,10 +59,25 @@ impl Reader {
         let places = generations.iter().map(|row| (row.first, *row)).collect();
         let mut hasher = LineageHasher::new();
         let mut shelf = BTreeMap::new(); // genotypes of the generation before
+        let picks: Vec<(u32, u32, i64)> = sqlx::query_as(sql!("picks_in_order"))
+            .bind(experiment.sql())
+            .fetch_all(&mut *transaction)
+            .await?;
+        let mut picks = picks.into_iter().peekable();
         let mut individuals = 0;
-        for generation in &generations {
+        for (at, generation) in generations.iter().enumerate() {
             shelf = add(&mut transaction, &mut hasher, *generation, &places, &shelf).await?;
             individuals += u64::from(generation.size);
+            let stage = |row: &GenerationRow| (row.run, row.stage);
+            if generations.get(at + 1).map(stage) == Some(stage(generation)) {
+                continue; // the stage goes on
+            }
+            let own = |pick: &(u32, u32, i64)| (pick.0, pick.1) == stage(generation);
+            if let Some((run, stage, individual)) = picks.next_if(own) {
+                let picked = place(&places, individual);
+                let id = IndividualId::of(individual);
+                hasher.pick(run, stage, picked.ok_or_else(|| damaged(id, "it was picked and has no place"))?);
+            }
         }
         Ok(ExperimentHash {
             experiment,

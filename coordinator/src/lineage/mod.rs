@@ -3,6 +3,7 @@
 //! genotype, and waits on no reader.
 
 mod checkpoint;
+mod choice;
 mod commits;
 mod entry;
 mod error;
@@ -27,10 +28,12 @@ mod tests;
 mod transaction;
 mod writer;
 
+pub use choice::{Picked, StoredCandidate, StoredChoice};
 pub(crate) use commits::Commits;
 pub use entry::{
-    Attempt, Audited, CloseGeneration, Culling, Ending, Evaluated, Event, Fate, Joined, NewExperiment,
-    NewStage, OpenGeneration, Retracted, Ruling, SetAside, State,
+    Amendment, Attempt, Audited, CloseGeneration, Culling, EndStage, Ending, Evaluated, Event, Fate, InStage,
+    Joined, NewChoice, NewExperiment, NewPick, NewStage, OpenGeneration, Origin, Retracted, Ruling, SetAside,
+    State,
 };
 pub use error::{OpenError, QueryError, ReadError, WriteError};
 pub use hash::ExperimentHash;
@@ -51,7 +54,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock};
 use tokio::sync::{Semaphore, mpsc, oneshot, watch};
 use tokio::task::JoinHandle;
-use transaction::{Checkpoint, PackedGeneration};
+use transaction::{Checkpoint, PackedEnd, PackedGeneration};
 use writer::{Entry, OUTCOMES_MAX, Queued, Writer};
 
 /// Genotypes kept in memory as dictionaries of the next generation, bytes, over all stages. Beyond it they
@@ -174,57 +177,82 @@ impl Lineage {
         self.one(Entry::OpenStage(stage)).await.map(StageId)
     }
 
-    /// Ends the previous generation of a stage and begins the next, in one transaction with everything
-    /// recorded so far. Returns when that is on disk, with the ids of the individuals in order of index.
-    pub async fn open_generation(&self, next: OpenGeneration) -> Result<Vec<IndividualId>, WriteError> {
-        let OpenGeneration { stage, generation, checkpoint, culling, mut individuals, close } = next;
+    /// Ends the previous generation of a run, with its stage if a new one begins, and begins the next, in one
+    /// transaction with everything recorded so far. Returns when that is on disk, with the stage and the ids
+    /// of the individuals in order of index.
+    pub async fn open_generation(
+        &self,
+        next: OpenGeneration,
+    ) -> Result<(StageId, Vec<IndividualId>), WriteError> {
+        let OpenGeneration { stage, generation, checkpoint, culling, mut individuals, close, ends, choice } =
+            next;
+        let refused = |problem: String| {
+            Err(WriteError::Contradiction { what: format!("open generation {generation}"), problem })
+        };
         if let Some(large) = individuals.iter().find(|one| one.genotype.len() > encoding::SIZE_MAX) {
-            return Err(WriteError::Contradiction {
-                what: format!("open generation {generation} of stage {stage}"),
-                problem: format!("a genotype of {} bytes is over the limit", large.genotype.len()),
-            });
+            return refused(format!("a genotype of {} bytes is over the limit", large.genotype.len()));
         }
         if individuals.is_empty() {
-            return Err(WriteError::Contradiction {
-                what: format!("open generation {generation} of stage {stage}"),
-                problem: "it has no individuals".to_owned(),
-            });
+            return refused("it has no individuals".to_owned());
         }
-        let number = self.shared.reader.stage_number(stage).await.map_err(|error| {
-            WriteError::Contradiction { what: format!("find stage {stage}"), problem: error.to_string() }
-        })?;
+        let number = match &stage {
+            InStage::New(stage) => stage.stage,
+            InStage::Open(stage) => match self.shared.reader.stage_number(*stage).await {
+                Ok(number) => number,
+                Err(error) => return refused(error.to_string()),
+            },
+        };
         let size = individuals.len();
-        let shelf = self.shelves().get(&stage).cloned().unwrap_or_default();
+        // The first of a stage may have their parents in the last of the one before.
+        let shelf = match (&stage, &ends) {
+            (InStage::Open(stage), _) => self.shelves().get(stage).cloned(),
+            (InStage::New(_), Some(ends)) => self.shelves().remove(&ends.stage),
+            (InStage::New(_), None) => None,
+        };
         let packing = tokio::task::spawn_blocking(move || {
-            let (genotypes, next) = genotype::pack(&shelf, number, generation, &mut individuals);
-            (individuals, genotypes, next, frame(&checkpoint))
+            let (genotypes, next) =
+                genotype::pack(&shelf.unwrap_or_default(), number, generation, &mut individuals);
+            (individuals, genotypes, next, frame(&checkpoint), ends.map(PackedEnd::from))
         });
-        let (individuals, genotypes, next, checkpoint) =
+        let (individuals, genotypes, shelf, checkpoint, ends) =
             packing.await.expect("packing does not panic, and is not cancelled while its runtime lives");
-        let first = self
-            .one(Entry::OpenGeneration(Box::new(PackedGeneration {
-                stage,
-                generation,
-                checkpoint,
-                culling,
-                individuals,
-                genotypes,
-                close,
-            })))
-            .await?;
-        self.shelve(stage, next);
-        Ok((first..).take(size).map(IndividualId).collect())
+        let opened = Entry::OpenGeneration(Box::new(PackedGeneration {
+            stage,
+            generation,
+            checkpoint,
+            culling,
+            individuals,
+            genotypes,
+            close,
+            ends,
+            choice,
+        }));
+        let answer = self.answer(opened).await?;
+        let [stage, first] = answer[..].try_into().expect("the writer answers this entry with two ids");
+        self.shelve(StageId(stage), shelf);
+        Ok((StageId(stage), (first..).take(size).map(IndividualId).collect()))
     }
 
-    /// Ends the last generation of a stage, and with it the stage.
-    pub async fn close_stage(
-        &self,
-        stage: StageId,
-        close: CloseGeneration,
-        checkpoint: Vec<u8>,
-    ) -> Result<(), WriteError> {
-        self.shelves().remove(&stage);
-        self.answer(Entry::CloseStage(stage, close, frame(&checkpoint))).await.map(drop)
+    /// Ends the last generation of a stage, and with it the stage; `choice` says who may go on.
+    pub async fn end_stage(&self, ends: EndStage, choice: Option<NewChoice>) -> Result<(), WriteError> {
+        self.shelves().remove(&ends.stage);
+        self.answer(Entry::EndStage(Box::new(PackedEnd::from(ends)), choice)).await.map(drop)
+    }
+
+    /// Writes down who may go on from the end of a stage that has ended before.
+    pub async fn choose(&self, choice: NewChoice) -> Result<(), WriteError> {
+        self.answer(Entry::Choose(choice)).await.map(drop)
+    }
+
+    /// Gives an experiment a changed file; it is running from then on, and no run of it is over.
+    pub async fn amend(&self, amendment: Amendment) -> Result<(), WriteError> {
+        self.answer(Entry::Amend(Box::new(amendment))).await.map(drop)
+    }
+
+    /// Writes down who goes on from the end of a stage: one of the candidates, where nobody has yet been
+    /// picked. An experiment that waited is running from then on.
+    pub async fn pick(&self, pick: NewPick) -> Result<(), WriteError> {
+        self.answer(Entry::Pick(pick)).await.map(drop)
     }
 
     /// Takes note of outcomes; they reach the disk soon, in batches, in the order recorded. Waits only while
@@ -341,7 +369,14 @@ impl Lineage {
 /// A checkpoint as it is stored.
 fn frame(state: &[u8]) -> Checkpoint {
     let frame = zstd::bulk::compress(state, 3).expect("zstd compresses whatever fits in memory");
-    Checkpoint { size: state.len(), frame }
+    Checkpoint { size: state.len(), digest: *blake3::hash(state).as_bytes(), frame }
+}
+
+impl From<EndStage> for PackedEnd {
+    fn from(ends: EndStage) -> Self {
+        let EndStage { stage, close, checkpoint, over } = ends;
+        PackedEnd { stage, close, checkpoint: frame(&checkpoint), over }
+    }
 }
 
 /// The seed of an individual's evaluation: keyed by its place in its run, so that nobody stores it.

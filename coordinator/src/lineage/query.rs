@@ -18,7 +18,7 @@ use tokio::sync::mpsc;
 use tokio_stream::StreamExt as _;
 
 /// The documented views: the public interface of the file.
-pub const VIEWS: [&str; 14] = [
+pub const VIEWS: [&str; 16] = [
     "v_experiments",
     "v_stages",
     "v_generations",
@@ -31,6 +31,8 @@ pub const VIEWS: [&str; 14] = [
     "v_species",
     "v_workers",
     "v_checkpoints",
+    "v_candidates",
+    "v_picks",
     "v_audits",
     "v_events",
 ];

@@ -4,7 +4,7 @@
 use super::genotype::{DIGEST, digest};
 use super::outcome::{Columns, Known};
 use super::sql::sql;
-use super::{Culling, ExperimentId, IndividualId, ReadError, Reader, SetAside, StageId, State};
+use super::{Culling, ExperimentId, IndividualId, Origin, ReadError, Reader, SetAside, StageId, State};
 use creatures::Outcome;
 use sqlx::sqlite::SqliteConnection;
 
@@ -52,7 +52,9 @@ pub struct StoredExperiment {
     pub ended_ms: Option<i64>,
     /// Individuals in all, when the search knows.
     pub planned: Option<u64>,
-    /// In order of run and stage.
+    /// Whose first stages are its own as well.
+    pub origin: Option<Origin>,
+    /// Its own, in order of run and stage.
     pub stages: Vec<StoredStage>,
 }
 
@@ -71,6 +73,10 @@ pub struct StoredStage {
     pub generations: Option<u32>,
     /// True once its last generation has ended.
     pub ended: bool,
+    /// True if the run has ended with it.
+    pub over: bool,
+    /// Its latest generation; 0 before the first.
+    pub latest: u32,
 }
 
 /// Where a stage goes on: its open generation.
@@ -78,8 +84,8 @@ pub struct StoredStage {
 pub struct ResumePoint {
     /// Its number.
     pub generation: u32,
-    /// The search's state before it asked for this generation.
-    pub checkpoint: Vec<u8>,
+    /// JSON text of the stage's own task; `None` for the experiment's.
+    pub task_json: Option<String>,
     /// The culling rule of this generation.
     pub culling: Option<Culling>,
     /// In order of index.
@@ -129,6 +135,8 @@ struct ExperimentRow {
     created_ms: i64,
     ended_ms: Option<i64>,
     planned: Option<i64>,
+    origin: Option<i64>,
+    origin_stage: Option<u32>,
 }
 
 #[derive(sqlx::FromRow)]
@@ -139,6 +147,8 @@ struct StageRow {
     name: String,
     generations: Option<u32>,
     ended: bool,
+    over: bool,
+    latest: u32,
 }
 
 #[derive(sqlx::FromRow)]
@@ -148,9 +158,7 @@ struct OpenGenerationRow {
     size: u32,
     cull_at: Option<f64>,
     cutoff: Option<f64>,
-    checkpoint_generation: u32,
-    checkpoint_size: i64,
-    state: Vec<u8>,
+    task: Option<String>,
 }
 
 #[derive(sqlx::FromRow)]
@@ -162,7 +170,7 @@ struct StandingRow {
 }
 
 impl Reader {
-    /// Every experiment that is running or paused, in order of number.
+    /// Every experiment that can still go on, in order of number.
     ///
     /// # Errors
     /// See [`ReadError`], here and below.
@@ -207,6 +215,10 @@ impl Reader {
             created_ms: row.created_ms,
             ended_ms: row.ended_ms,
             planned: row.planned.map(i64::cast_unsigned),
+            origin: row
+                .origin
+                .zip(row.origin_stage)
+                .map(|(id, stage)| Origin { experiment: ExperimentId::of(id), stage }),
             stages: stages.into_iter().map(StoredStage::from).collect(),
         })
     }
@@ -225,24 +237,33 @@ impl Reader {
             .fetch_optional(&mut *transaction)
             .await?;
         let Some(open) = open else { return Ok(None) };
-        if open.checkpoint_generation != open.number {
-            return Err(ReadError::Corrupt {
-                problem: format!("stage {stage} has no checkpoint of generation {}", open.number),
-            });
-        }
-        let previous: Option<(i64, u32)> = sqlx::query_as(sql!("previous_generation"))
-            .bind(stage.sql())
-            .bind(open.number)
-            .fetch_optional(&mut *transaction)
-            .await?;
         let individuals = standings(&mut transaction, open.first, open.size).await?;
-        let previous = match previous {
-            Some((first, size)) => standings(&mut transaction, first, size).await?,
-            None => Vec::new(),
-        };
-        let checkpoint = unframe(&open.state, open.checkpoint_size)?;
+        let previous = generation(&mut transaction, stage, open.number - 1).await?;
         let culling = open.cull_at.map(|at| Culling { at, cutoff: open.cutoff });
-        Ok(Some(ResumePoint { generation: open.number, checkpoint, culling, individuals, previous }))
+        let (generation, task_json) = (open.number, open.task);
+        Ok(Some(ResumePoint { generation, task_json, culling, individuals, previous }))
+    }
+
+    /// How the individuals of a generation stand, in order of index; none if there is no such generation.
+    pub async fn standings(&self, stage: StageId, number: u32) -> Result<Vec<Standing>, ReadError> {
+        let mut connection = self.pool().acquire().await?;
+        generation(&mut connection, stage, number).await
+    }
+
+    /// The search's state before it asked for a generation of a stage; of a stage that has ended, also the
+    /// one after its last. `None` where none was kept.
+    ///
+    /// # Errors
+    /// [`ReadError::Corrupt`] also for one that is truncated, or is not what was saved (ESP EF-13).
+    pub async fn checkpoint(&self, stage: StageId, generation: u32) -> Result<Option<Vec<u8>>, ReadError> {
+        let query = sqlx::query_as(sql!("checkpoint")).bind(stage.sql()).bind(generation);
+        let row: Option<(i64, Vec<u8>, Vec<u8>)> = query.fetch_optional(self.pool()).await?;
+        let Some((size, digest, state)) = row else { return Ok(None) };
+        let state = unframe(&state, size)?;
+        if blake3::hash(&state).as_bytes()[..] != digest {
+            return Err(ReadError::Corrupt { problem: "a checkpoint has another checksum".to_owned() });
+        }
+        Ok(Some(state))
     }
 
     /// Names of workers that are trusted no more.
@@ -254,13 +275,6 @@ impl Reader {
     pub async fn unaudited(&self, experiment: ExperimentId, worker: &str) -> Result<u64, ReadError> {
         let query = sqlx::query_scalar::<_, i64>(sql!("unaudited")).bind(experiment.sql()).bind(worker);
         Ok(query.fetch_one(self.pool()).await?.cast_unsigned())
-    }
-
-    /// The latest checkpoint of a stage: of one that has ended, its end.
-    pub async fn checkpoint(&self, stage: StageId) -> Result<Option<Vec<u8>>, ReadError> {
-        let row: Option<(i64, Vec<u8>)> =
-            sqlx::query_as(sql!("checkpoint")).bind(stage.sql()).fetch_optional(self.pool()).await?;
-        row.map(|(size, state)| unframe(&state, size)).transpose()
     }
 
     /// Which stage of its run.
@@ -280,7 +294,22 @@ impl From<StageRow> for StoredStage {
             name: row.name,
             generations: row.generations,
             ended: row.ended,
+            over: row.over,
+            latest: row.latest,
         }
+    }
+}
+
+async fn generation(
+    connection: &mut SqliteConnection,
+    stage: StageId,
+    number: u32,
+) -> Result<Vec<Standing>, ReadError> {
+    let query = sqlx::query_as(sql!("generation")).bind(stage.sql()).bind(number);
+    let found: Option<(i64, u32)> = query.fetch_optional(&mut *connection).await?;
+    match found {
+        Some((first, size)) => standings(connection, first, size).await,
+        None => Ok(Vec::new()),
     }
 }
 

@@ -1,7 +1,10 @@
 //! What each entry changes: the statements of one entry, within a transaction that the writer opens and
 //! commits. Nothing here retries or waits.
 
-use super::entry::{CloseGeneration, Culling, Event, Joined, NewExperiment, NewStage, State};
+use super::entry::{
+    Amendment, CloseGeneration, Culling, Event, InStage, Joined, NewChoice, NewExperiment, NewStage, Origin,
+    State,
+};
 use super::fault::{Fault, fault};
 use super::genotype::Packed;
 use super::register::Register;
@@ -34,7 +37,7 @@ impl From<sqlx::Error> for Refusal {
 /// A generation whose genotypes are packed.
 #[derive(Debug)]
 pub(crate) struct PackedGeneration {
-    pub(crate) stage: StageId,
+    pub(crate) stage: InStage,
     pub(crate) generation: u32,
     pub(crate) checkpoint: Checkpoint,
     pub(crate) culling: Option<Culling>,
@@ -42,12 +45,24 @@ pub(crate) struct PackedGeneration {
     pub(crate) individuals: Vec<Individual>,
     pub(crate) genotypes: Vec<Packed>,
     pub(crate) close: Option<CloseGeneration>,
+    pub(crate) ends: Option<PackedEnd>,
+    pub(crate) choice: Option<NewChoice>,
+}
+
+/// The end of a stage whose checkpoint is packed.
+#[derive(Debug)]
+pub(crate) struct PackedEnd {
+    pub(crate) stage: StageId,
+    pub(crate) close: CloseGeneration,
+    pub(crate) checkpoint: Checkpoint,
+    pub(crate) over: bool,
 }
 
 /// A search's state, packed.
 #[derive(Debug)]
 pub(crate) struct Checkpoint {
     pub(crate) size: usize,
+    pub(crate) digest: [u8; 32], // of the state itself
     pub(crate) frame: Vec<u8>,
 }
 
@@ -59,7 +74,7 @@ pub(crate) struct Transaction<'a> {
 
 /// Where a stage belongs, and how far it is.
 #[derive(Debug, sqlx::FromRow)]
-struct StageStanding {
+pub(super) struct StageStanding {
     experiment: i64,
     run: u32,
     number: u32,
@@ -91,6 +106,8 @@ impl Transaction<'_> {
                 .bind(experiment.planned.map(u64::cast_signed))
                 .bind(&experiment.program_version)
                 .bind(&experiment.fingerprint[..])
+                .bind(experiment.origin.map(|origin: Origin| origin.experiment.sql()))
+                .bind(experiment.origin.map(|origin| origin.stage))
                 .execute(&mut *self.connection)
                 .await?;
             ids.push(inserted.last_insert_rowid().cast_unsigned());
@@ -132,6 +149,24 @@ impl Transaction<'_> {
         Ok(())
     }
 
+    /// Gives an experiment a changed file.
+    pub(crate) async fn amend(&mut self, of: &Amendment) -> Result<(), Refusal> {
+        sqlx::query(sql!("amend_experiment"))
+            .bind(of.experiment.sql())
+            .bind(&of.resolved)
+            .bind(&of.digest[..])
+            .bind(&of.task_json)
+            .bind(of.planned.map(u64::cast_signed))
+            .execute(&mut *self.connection)
+            .await?;
+        let query = sqlx::query(sql!("no_run_is_over")).bind(of.experiment.sql());
+        query.execute(&mut *self.connection).await?;
+        self.set_state(of.experiment, State::Running, "").await?;
+        let text = "it goes on with a changed file".to_owned();
+        let (experiment, kind, data) = (Some(of.experiment), "amended".to_owned(), of.data.clone());
+        self.event(&Event { experiment, kind, text, data }).await
+    }
+
     /// Begins a stage.
     pub(crate) async fn open_stage(&mut self, stage: &NewStage) -> Result<u64, Refusal> {
         let query = sqlx::query(sql!("insert_stage"))
@@ -140,22 +175,37 @@ impl Transaction<'_> {
             .bind(stage.stage)
             .bind(&stage.name)
             .bind(stage.seed.cast_signed())
-            .bind(stage.generations);
+            .bind(stage.generations)
+            .bind(&stage.task_json);
         Ok(query.execute(&mut *self.connection).await?.last_insert_rowid().cast_unsigned())
     }
 
-    /// Ends the open generation of a stage, if `close` says so, and begins the next: its first id.
-    pub(crate) async fn open_generation(&mut self, next: &PackedGeneration) -> Result<u64, Refusal> {
-        let standing = self.standing(next.stage).await?;
+    /// Ends the stage before and the open generation, as far as that is said, and begins the next: its stage
+    /// and its first id.
+    pub(crate) async fn open_generation(
+        &mut self,
+        next: &PackedGeneration,
+    ) -> Result<(StageId, IndividualId), Refusal> {
+        if let Some(ends) = &next.ends {
+            self.end_stage(ends).await?;
+        }
+        if let Some(choice) = &next.choice {
+            self.choose(choice).await?;
+        }
+        let stage = match &next.stage {
+            InStage::Open(stage) => *stage,
+            InStage::New(stage) => StageId(self.open_stage(stage).await?),
+        };
+        let standing = self.standing(stage).await?;
         if standing.ended {
-            return Err(Refusal::Contradiction(format!("stage {} has ended", next.stage)));
+            return Err(Refusal::Contradiction(format!("stage {stage} has ended")));
         }
         let due = standing.latest.unwrap_or(0) + 1;
         if next.generation != due {
-            return Err(Refusal::Contradiction(format!("generation {due} of stage {} is due", next.stage)));
+            return Err(Refusal::Contradiction(format!("generation {due} of stage {stage} is due")));
         }
         match (&next.close, standing.open) {
-            (Some(close), Some(open)) => self.close_generation(next.stage, &standing, open, close).await?,
+            (Some(close), Some(open)) => self.close_generation(stage, &standing, open, close).await?,
             (None, None) => {}
             (None, Some(_)) => {
                 let problem = format!("generation {} has not been closed", due - 1);
@@ -166,9 +216,9 @@ impl Transaction<'_> {
             }
         }
         let size = u32::try_from(next.individuals.len()).expect("a generation has fewer than 2^32");
-        let first = self.register.open_generation(next.stage, size);
+        let first = self.register.open_generation(stage, size);
         let generation = sqlx::query(sql!("insert_generation"))
-            .bind(next.stage.sql())
+            .bind(stage.sql())
             .bind(next.generation)
             .bind(first.sql())
             .bind(size)
@@ -177,30 +227,27 @@ impl Transaction<'_> {
             .execute(&mut *self.connection)
             .await?
             .last_insert_rowid();
-        self.individuals(&standing, generation, first, next).await?;
-        self.checkpoint(next.stage, next.generation, &next.checkpoint).await?;
-        Ok(first.0)
+        self.individuals(stage, &standing, generation, first, next).await?;
+        self.checkpoint(stage, next.generation, &next.checkpoint).await?;
+        Ok((stage, first))
     }
 
     /// Ends the last generation of a stage, and the stage.
-    pub(crate) async fn close_stage(
-        &mut self,
-        stage: StageId,
-        close: &CloseGeneration,
-        checkpoint: &Checkpoint,
-    ) -> Result<(), Refusal> {
+    pub(crate) async fn end_stage(&mut self, ends: &PackedEnd) -> Result<(), Refusal> {
+        let stage = ends.stage;
         let standing = self.standing(stage).await?;
         let (Some(open), Some(latest)) = (standing.open, standing.latest) else {
             return Err(Refusal::Contradiction("there is no open generation to close".to_owned()));
         };
-        self.close_generation(stage, &standing, open, close).await?;
-        self.checkpoint(stage, latest, checkpoint).await?;
-        sqlx::query(sql!("end_stage")).bind(stage.sql()).execute(&mut *self.connection).await?;
+        self.close_generation(stage, &standing, open, &ends.close).await?;
+        self.checkpoint(stage, latest + 1, &ends.checkpoint).await?;
+        let query = sqlx::query(sql!("end_stage")).bind(stage.sql()).bind(ends.over);
+        query.execute(&mut *self.connection).await?;
         self.register.end_stage(stage);
         Ok(())
     }
 
-    async fn standing(&mut self, stage: StageId) -> Result<StageStanding, Refusal> {
+    pub(super) async fn standing(&mut self, stage: StageId) -> Result<StageStanding, Refusal> {
         let query = sqlx::query_as(sql!("stage_standing")).bind(stage.sql());
         let standing = query.fetch_optional(&mut *self.connection).await?;
         standing.ok_or_else(|| Refusal::Contradiction(format!("there is no stage {stage}")))
@@ -245,6 +292,7 @@ impl Transaction<'_> {
 
     async fn individuals(
         &mut self,
+        stage: StageId,
         standing: &StageStanding,
         generation: i64,
         first: IndividualId,
@@ -265,7 +313,7 @@ impl Transaction<'_> {
                 Some(place) => Some(places.find(self, standing, place).await?),
                 None => None,
             };
-            let traits = self.traits(next.stage, &individual.traits).await?;
+            let traits = self.traits(stage, &individual.traits).await?;
             rows.push((id, operator, traits, inherits));
             for (ord, parent) in (0i64..).zip(&individual.parents) {
                 let role = self.register.word(self.connection, &parent.role).await?;
@@ -324,9 +372,12 @@ impl Transaction<'_> {
             .bind(stage.sql())
             .bind(generation)
             .bind(i64::try_from(checkpoint.size).expect("a checkpoint is far below 2^63 bytes"))
+            .bind(&checkpoint.digest[..])
             .bind(&checkpoint.frame)
             .execute(&mut *self.connection)
             .await?;
+        let query = sqlx::query(sql!("drop_checkpoints")).bind(stage.sql()).bind(generation);
+        query.execute(&mut *self.connection).await?;
         Ok(())
     }
 
@@ -384,13 +435,13 @@ fn named(experiment: &NewExperiment, suffix: &str) -> (String, Option<String>) {
 
 /// Generations of a run that have been looked up.
 #[derive(Default)]
-struct Places {
+pub(super) struct Places {
     known: BTreeMap<(u32, u32), Option<(u64, u64)>>, // stage, generation → first, size
 }
 
 impl Places {
     /// The row of the individual at a place of the run.
-    async fn find(
+    pub(super) async fn find(
         &mut self,
         transaction: &mut Transaction<'_>,
         run: &StageStanding,

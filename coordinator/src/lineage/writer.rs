@@ -3,12 +3,14 @@
 
 use super::checkpoint::WalKeeper;
 use super::commits::Commits;
-use super::entry::{CloseGeneration, Evaluated, Event, Joined, NewExperiment, NewStage, State};
+use super::entry::{
+    Amendment, Evaluated, Event, InStage, Joined, NewChoice, NewExperiment, NewPick, NewStage, State,
+};
 use super::fault::{Fault, fault, words};
 use super::file::Lock;
 use super::register::Register;
-use super::transaction::{Checkpoint, PackedGeneration, Refusal, Transaction};
-use super::{ExperimentId, Health, IndividualId, StageId, WriteError};
+use super::transaction::{PackedEnd, PackedGeneration, Refusal, Transaction};
+use super::{ExperimentId, Health, IndividualId, WriteError};
 use sqlx::sqlite::SqliteConnection;
 use sqlx::{Connection as _, Executor as _};
 use std::sync::{Arc, OnceLock};
@@ -42,7 +44,10 @@ pub(super) enum Entry {
     SetState(ExperimentId, State, String),
     OpenStage(NewStage),
     OpenGeneration(Box<PackedGeneration>),
-    CloseStage(StageId, CloseGeneration, Checkpoint),
+    EndStage(Box<PackedEnd>, Option<NewChoice>),
+    Choose(NewChoice),
+    Pick(NewPick),
+    Amend(Box<Amendment>),
     Record(Vec<Evaluated>, OwnedSemaphorePermit),
     Event(Event),
     Joined(Joined),
@@ -70,10 +75,14 @@ impl Entry {
             Entry::OpenStage(stage) => {
                 format!("open stage {} of run {} of experiment {}", stage.stage, stage.run, stage.experiment)
             }
-            Entry::OpenGeneration(next) => {
-                format!("open generation {} of stage {}", next.generation, next.stage)
-            }
-            Entry::CloseStage(stage, ..) => format!("close stage {stage}"),
+            Entry::OpenGeneration(next) => match &next.stage {
+                InStage::Open(stage) => format!("open generation {} of stage {stage}", next.generation),
+                InStage::New(stage) => format!("open stage {} of run {}", stage.stage, stage.run),
+            },
+            Entry::EndStage(ends, _) => format!("end stage {}", ends.stage),
+            Entry::Choose(choice) => format!("offer candidates of stage {}", choice.stage),
+            Entry::Pick(pick) => format!("pick individual {} of stage {}", pick.individual, pick.stage),
+            Entry::Amend(of) => format!("change the file of experiment {}", of.experiment),
             Entry::Record(evaluated, _) => format!("record {} outcomes", evaluated.len()),
             Entry::Event(event) => format!("write down the event `{}`", event.kind),
             Entry::Joined(worker) => format!("welcome worker `{}`", worker.name),
@@ -284,11 +293,20 @@ async fn apply(
     match entry {
         Entry::Create(experiments) => return transaction.create(experiments).await,
         Entry::OpenStage(stage) => return Ok(vec![transaction.open_stage(stage).await?]),
-        Entry::OpenGeneration(next) => return Ok(vec![transaction.open_generation(next).await?]),
-        Entry::SetState(id, state, reason) => transaction.set_state(*id, *state, reason).await?,
-        Entry::CloseStage(stage, close, checkpoint) => {
-            transaction.close_stage(*stage, close, checkpoint).await?;
+        Entry::OpenGeneration(next) => {
+            let (stage, first) = transaction.open_generation(next).await?;
+            return Ok(vec![stage.0, first.0]);
         }
+        Entry::SetState(id, state, reason) => transaction.set_state(*id, *state, reason).await?,
+        Entry::EndStage(ends, choice) => {
+            transaction.end_stage(ends).await?;
+            if let Some(choice) = choice {
+                transaction.choose(choice).await?;
+            }
+        }
+        Entry::Choose(choice) => transaction.choose(choice).await?,
+        Entry::Pick(pick) => transaction.pick(pick).await?,
+        Entry::Amend(amendment) => transaction.amend(amendment).await?,
         Entry::Record(evaluated, _) => transaction.record(evaluated).await?,
         Entry::Event(event) => transaction.event(event).await?,
         Entry::Joined(worker) => transaction.worker_joined(worker).await?,

@@ -13,8 +13,13 @@ use tokio_stream::Stream;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Code, Request, Response, Status};
 
-use crate::driver::{ControlError, Counts, Driver, Ended, Happening, Submission, SubmitError};
-use crate::lineage::{ExperimentId, RunProgress, State, Summary, WriteError};
+use crate::driver::{
+    AmendError, Changed, ControlError, Counts, Driver, Ended, Fork, ForkError, Happening, PickError,
+    Submission, SubmitError,
+};
+use crate::lineage::{
+    ExperimentId, IndividualId, Reader, RunProgress, State, StoredChoice, Summary, WriteError,
+};
 use crate::service::lineage::status;
 
 /// How often watchers are told the progress.
@@ -73,7 +78,8 @@ impl ExperimentsService {
         Ok(Response::new(v1::ListReply { experiments: self.render_all(Some(ids)).await? }))
     }
 
-    /// Sends a watcher what happens until every experiment has ended or nobody reads any more.
+    /// Sends a watcher what happens until every experiment has ended or waits for a pick, or nobody reads any
+    /// more.
     async fn watch_until_ended(
         self,
         ids: BTreeSet<ExperimentId>,
@@ -138,10 +144,14 @@ impl ExperimentsService {
     ) -> Result<(), Gone> {
         match self.render(id).await {
             Ok(experiment) => {
-                let over = ["finished", "cancelled", "failed"].contains(&experiment.state.as_str());
+                let over =
+                    ["finished", "cancelled", "failed", "awaiting"].contains(&experiment.state.as_str());
                 send(events, id, v1::watch_event::What::State(experiment)).await?;
+                // One that waited may go on while others are still watched.
                 if over {
                     ended.insert(id);
+                } else {
+                    ended.remove(&id);
                 }
                 Ok(())
             }
@@ -169,16 +179,9 @@ async fn send(
 impl v1::experiments_server::Experiments for ExperimentsService {
     async fn submit(&self, request: Request<v1::SubmitRequest>) -> Result<Response<v1::SubmitReply>, Status> {
         let request = request.into_inner();
-        let mut set = Vec::with_capacity(request.set.len());
-        for assignment in &request.set {
-            let (key, value) = assignment.split_once('=').ok_or_else(|| {
-                Status::invalid_argument(format!("`{assignment}` is no assignment: write key=value"))
-            })?;
-            set.push((key.trim().to_owned(), value.trim().to_owned()));
-        }
-        let profile = Some(request.profile).filter(|profile| !profile.is_empty());
-        let submission =
-            Submission { text: request.text, overrides: Overrides { profile, set }, resume: request.resume };
+        let resume = request.resume;
+        let Changed { text, overrides } = file_of(request)?;
+        let submission = Submission { text, overrides, resume };
         let (ids, resumed) = self.driver.submit(submission).await.map_err(submit_status)?;
         let experiments = self.render_all(Some(&ids)).await?;
         Ok(Response::new(v1::SubmitReply { experiments, resumed }))
@@ -233,6 +236,102 @@ impl v1::experiments_server::Experiments for ExperimentsService {
         }
         self.reply(&ids).await
     }
+
+    async fn candidates(
+        &self,
+        request: Request<v1::CandidatesRequest>,
+    ) -> Result<Response<v1::CandidatesReply>, Status> {
+        candidates(self.driver.lineage().reader(), request.into_inner()).await
+    }
+
+    async fn pick(&self, request: Request<v1::PickRequest>) -> Result<Response<v1::Experiment>, Status> {
+        let v1::PickRequest { experiment, individual, note } = request.into_inner();
+        let id = self.driver.lineage().reader().find_one(&experiment).await.map_err(status)?;
+        self.driver.pick(id, IndividualId(individual), note).await.map_err(pick_status)?;
+        Ok(Response::new(self.render(id).await?))
+    }
+
+    async fn amend(&self, request: Request<v1::AmendRequest>) -> Result<Response<v1::AmendReply>, Status> {
+        let v1::AmendRequest { experiment, file } = request.into_inner();
+        let id = self.driver.lineage().reader().find_one(&experiment).await.map_err(status)?;
+        let file = file_of(file.unwrap_or_default())?;
+        let differences = self.driver.amend(id, &file).await.map_err(amend_status)?;
+        let experiment = Some(self.render(id).await?);
+        Ok(Response::new(v1::AmendReply { experiment, differences }))
+    }
+
+    async fn fork(&self, request: Request<v1::ForkRequest>) -> Result<Response<v1::Experiment>, Status> {
+        let fork = fork_of(self.driver.lineage().reader(), request.into_inner()).await?;
+        let id = self.driver.fork(fork).await.map_err(fork_status)?;
+        Ok(Response::new(self.render(id).await?))
+    }
+}
+
+/// An experiment file off the wire, not yet read.
+///
+/// # Errors
+/// An assignment that is none.
+pub fn file_of(file: v1::SubmitRequest) -> Result<Changed, Status> {
+    let mut set = Vec::with_capacity(file.set.len());
+    for assignment in &file.set {
+        let (key, value) = assignment.split_once('=').ok_or_else(|| {
+            Status::invalid_argument(format!("`{assignment}` is no assignment: write key=value"))
+        })?;
+        set.push((key.trim().to_owned(), value.trim().to_owned()));
+    }
+    let profile = Some(file.profile).filter(|profile| !profile.is_empty());
+    Ok(Changed { text: file.text, overrides: Overrides { profile, set } })
+}
+
+/// A fork off the wire.
+///
+/// # Errors
+/// An experiment that is not there; an assignment that is none.
+pub async fn fork_of(reader: &Reader, request: v1::ForkRequest) -> Result<Fork, Status> {
+    let from = reader.find_one(&request.experiment).await.map_err(status)?;
+    let file = request.file.map(file_of).transpose()?;
+    Ok(Fork { from, after: request.after, file })
+}
+
+/// The candidates of an experiment, at the end of all its stages or of one.
+///
+/// # Errors
+/// `NOT_FOUND`: an experiment or a stage that is not there.
+pub async fn candidates(
+    reader: &Reader,
+    request: v1::CandidatesRequest,
+) -> Result<Response<v1::CandidatesReply>, Status> {
+    let id = reader.find_one(&request.experiment).await.map_err(status)?;
+    let mut choices = reader.choices(id).await.map_err(status)?;
+    let wanted = request.stage.as_str();
+    if !wanted.is_empty() {
+        choices.retain(|choice| choice.name == wanted || choice.number.to_string() == wanted);
+        if choices.is_empty() {
+            let text = format!("experiment {id} has let nobody pick at the end of a stage `{wanted}`");
+            return Err(Status::not_found(text));
+        }
+    }
+    Ok(Response::new(v1::CandidatesReply { choices: choices.into_iter().map(render_choice).collect() }))
+}
+
+fn render_choice(choice: StoredChoice) -> v1::Choice {
+    let candidates = choice.candidates.into_iter().map(|one| v1::Candidate {
+        rank: one.rank,
+        individual: one.individual.0,
+        population: one.population,
+        fitness: one.fitness,
+        notes: one.notes,
+    });
+    let picked = choice.picked;
+    v1::Choice {
+        run: choice.run,
+        stage: choice.number,
+        stage_name: choice.name,
+        candidates: candidates.collect(),
+        picked: picked.as_ref().map_or(0, |picked| picked.individual.0),
+        picked_by: picked.as_ref().map(|picked| picked.by.clone()).unwrap_or_default(),
+        note: picked.map(|picked| picked.note).unwrap_or_default(),
+    }
 }
 
 /// An experiment as the lineage has it, for the wire; without its resolved file.
@@ -280,10 +379,16 @@ fn render_run(run: RunProgress) -> v1::Run {
 fn bring_up_to_date(rendered: &mut v1::Experiment, counts: &Counts) {
     for run in &mut rendered.progress {
         let Some(live) = counts.runs.get(run.run as usize - 1) else { continue };
+        if live.stage > run.stage {
+            // Nothing of the stage was written yet when the lineage was read.
+            (run.stage, run.stage_name) = (live.stage, live.stage_name.clone());
+            (run.best, run.best_individual, run.generations) = (None, 0, live.generations.unwrap_or(0));
+        }
         if (live.stage, live.generation) >= (run.stage, run.generation) {
             (run.generation, run.size, run.done) = (live.generation, live.size as u32, live.done as u32);
         }
         if let Some((best, fitness)) = live.best
+            && live.stage == run.stage
             && run.best.is_none_or(|known| fitness > known)
         {
             (run.best, run.best_individual) = (Some(fitness), best.0);
@@ -295,7 +400,7 @@ fn render_generation(ended: Ended) -> v1::Generation {
     v1::Generation {
         run: ended.run,
         stage: ended.stage,
-        stage_name: String::new(),
+        stage_name: ended.stage_name,
         generation: ended.generation,
         generations: ended.generations.unwrap_or(0),
         individuals: ended.tally.individuals,
@@ -314,13 +419,41 @@ fn render_generation(ended: Ended) -> v1::Generation {
     }
 }
 
+fn problems_status(problems: &[Problem]) -> Status {
+    let text = problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n");
+    let details = v1::Problems { problems: problems.iter().map(render_problem).collect() };
+    Status::with_details(Code::InvalidArgument, text, details.encode_to_vec().into())
+}
+
+/// The status of a changed file that was refused.
+pub fn amend_status(error: AmendError) -> Status {
+    match error {
+        AmendError::Problems(problems) => problems_status(&problems),
+        AmendError::Running(_) | AmendError::Ended(..) | AmendError::Refused(_) => {
+            Status::failed_precondition(error.to_string())
+        }
+        AmendError::Control(error) => control_status(error),
+        AmendError::Read(error) => status(error),
+        AmendError::Write(error) => write_status(error),
+    }
+}
+
+/// The status of a fork that was refused.
+pub fn fork_status(error: ForkError) -> Status {
+    match error {
+        ForkError::NoStage { .. } => Status::not_found(error.to_string()),
+        ForkError::NotEnded { .. } => Status::failed_precondition(error.to_string()),
+        ForkError::Problems(problems) => problems_status(&problems),
+        ForkError::Amend(error) => amend_status(error),
+        ForkError::Control(error) => control_status(error),
+        ForkError::Read(error) => status(error),
+        ForkError::Write(error) => write_status(error),
+    }
+}
+
 fn submit_status(error: SubmitError) -> Status {
     match error {
-        SubmitError::Problems(problems) => {
-            let text = problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n");
-            let details = v1::Problems { problems: problems.iter().map(render_problem).collect() };
-            Status::with_details(Code::InvalidArgument, text, details.encode_to_vec().into())
-        }
+        SubmitError::Problems(problems) => problems_status(&problems),
         SubmitError::Read(error) => status(error),
         SubmitError::Write(error) => write_status(error),
         SubmitError::Control(error) => control_status(error),
@@ -346,6 +479,18 @@ fn control_status(error: ControlError) -> Status {
         }
         ControlError::Read(error) => status(error),
         ControlError::Write(error) => write_status(error),
+    }
+}
+
+/// The status of a pick that was refused.
+pub fn pick_status(error: PickError) -> Status {
+    match error {
+        PickError::NotAwaited(_) | PickError::NoCandidate { .. } | PickError::Ended(..) => {
+            Status::failed_precondition(error.to_string())
+        }
+        PickError::Read(error) => status(error),
+        PickError::Write(error) => write_status(error),
+        PickError::Control(error) => control_status(error),
     }
 }
 

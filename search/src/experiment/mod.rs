@@ -15,6 +15,7 @@ pub use published::Published;
 use crate::checkpoint::RestoreError;
 use crate::culling::Culling;
 use crate::registry::Plan;
+use crate::syllabus::{AmendError, Difference};
 use crate::{Place, Search, registry};
 use serde::Serialize;
 use serde_json::Value;
@@ -41,6 +42,8 @@ pub struct Experiment {
     /// Share of evaluations that count only once two workers found the same bits (design: determinism).
     pub audit: f64,
     task: Value,
+    /// Whether the file says the task, and not the search.
+    says_task: bool,
     kind: &'static registry::Kind,
     plan: Arc<dyn Plan>,
     culling: Option<Culling>,
@@ -61,8 +64,11 @@ struct Resolved<'a> {
     audit: f64,
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     cell: &'a BTreeMap<String, Value>,
-    task: &'a Value,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    task: Option<&'a Value>,
     search: Value,
+    #[serde(flatten)]
+    lists: BTreeMap<&'static str, Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
     culling: Option<Culling>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
@@ -78,17 +84,26 @@ impl Experiment {
         read::experiments(text, overrides)
     }
 
+    /// Reads an experiment file that must make one experiment.
+    ///
+    /// # Errors
+    /// Every problem found; a matrix is one.
+    pub fn parse_one(text: &str, overrides: &Overrides) -> Result<Experiment, Vec<Problem>> {
+        let mut experiments = Experiment::parse(text, overrides)?;
+        match (experiments.pop(), experiments.is_empty()) {
+            (Some(experiment), true) => Ok(experiment),
+            _ => {
+                Err(vec![Problem::new("matrix", "one experiment is wanted here, and a matrix makes several")])
+            }
+        }
+    }
+
     /// Reads the text that [`Experiment::resolved`] has given.
     ///
     /// # Errors
     /// The first problem; text of an older program may have some.
     pub fn parse_resolved(text: &str) -> Result<Experiment, Problem> {
-        let mut experiments =
-            Experiment::parse(text, &Overrides::default()).map_err(|problems| problems[0].clone())?;
-        match (experiments.pop(), experiments.is_empty()) {
-            (Some(experiment), true) => Ok(experiment),
-            _ => Err(Problem::new("matrix", "a resolved file has no matrix")),
-        }
+        Experiment::parse_one(text, &Overrides::default()).map_err(|problems| problems[0].clone())
     }
 
     /// The names of a file's profiles, for those who check them all.
@@ -112,8 +127,9 @@ impl Experiment {
             runs: self.runs,
             audit: self.audit,
             cell: &self.cell,
-            task: &self.task,
+            task: self.says_task.then_some(&self.task),
             search: self.plan.table(),
+            lists: self.plan.lists().into_iter().collect(),
             culling: self.culling,
             published: &self.published,
         })
@@ -125,7 +141,8 @@ impl Experiment {
         *blake3::hash(self.resolved().as_bytes()).as_bytes()
     }
 
-    /// The resolved `[task]` table as the JSON text that travels to workers.
+    /// The resolved task as the JSON text that travels to workers; a stage may have another
+    /// ([`crate::Stage::task`]).
     pub fn task_json(&self) -> String {
         self.task.to_string()
     }
@@ -155,9 +172,9 @@ impl Experiment {
         self.audit > 0.0 && place.stream(seed, "audit").chance(self.audit)
     }
 
-    /// What the system's interim measure is called in an outcome; see [`Culling::cutoff`].
-    pub fn interim_measure(&self) -> &'static str {
-        creatures::system(&self.system).map_or("fitness", |system| system.interim_measure(&self.task))
+    /// What the system's interim measure is called in an outcome of a task; see [`Culling::cutoff`].
+    pub fn interim_measure(&self, task: &Value) -> &'static str {
+        creatures::system(&self.system).map_or("fitness", |system| system.interim_measure(task))
     }
 
     /// The seed of a run, from 1: run i is an experiment of its own with `seed + i − 1`.
@@ -165,7 +182,12 @@ impl Experiment {
         self.seed + u64::from(run.max(1) - 1)
     }
 
-    /// The search of a run, from 1, at its beginning. It is the one stage of the run, stage 0.
+    /// The resolved task: of every stage that has none of its own ([`crate::Stage::task`]).
+    pub fn task(&self) -> &Value {
+        &self.task
+    }
+
+    /// The search of a run, from 1, at its beginning. Its stages count from 0.
     pub fn start(&self, run: u32) -> Box<dyn Search> {
         self.plan.start(self.seed_of(run), 0)
     }
@@ -178,20 +200,29 @@ impl Experiment {
         self.plan.restore(self.seed_of(run), 0, checkpoint)
     }
 
-    /// Generations of a run, when known beforehand.
+    /// What differs between this experiment and the one whose search wrote a checkpoint, if [`Experiment::restore`]
+    /// can go on from there with this one (ESP E-86); empty if nothing does.
+    ///
+    /// # Errors
+    /// A difference in what was evolved already, bytes that are no checkpoint, a kind of search that takes no
+    /// differences.
+    pub fn amend(&self, checkpoint: &[u8]) -> Result<Vec<Difference>, AmendError> {
+        self.plan.amend(checkpoint)
+    }
+
+    /// Generations of a run, those of all its stages, when known beforehand.
     pub fn generations(&self) -> Option<u32> {
         Some(self.plan.generations())
     }
 
-    /// Individuals of a generation, when known beforehand.
+    /// Individuals of a generation, of the largest stage where they differ, when known beforehand.
     pub fn population(&self) -> Option<u32> {
         Some(self.plan.population())
     }
 
     /// Individuals in all runs, when known beforehand.
     pub fn planned(&self) -> Option<u64> {
-        let run = u64::from(self.plan.population()).checked_mul(u64::from(self.plan.generations()))?;
-        run.checked_mul(u64::from(self.runs))
+        self.plan.individuals().checked_mul(u64::from(self.runs))
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Parser;
-use creatures::{Cull, DecodeError, Interim, Outcome, Proof, SpecError, System, Task};
+use creatures::{Cull, DecodeError, Observer, Outcome, Proof, SpecError, System, Task};
 
 /// How this worker lies.
 #[derive(Debug, Parser)]
@@ -85,9 +85,9 @@ impl Task for LyingTask {
         genotype: &[u8],
         seed: u64,
         cull: Option<&Cull>,
-        on_interim: &mut dyn FnMut(Interim),
+        observer: &mut dyn Observer,
     ) -> Result<Outcome, DecodeError> {
-        let mut outcome = self.0.evaluate(genotype, seed, cull, on_interim)?;
+        let mut outcome = self.0.evaluate(genotype, seed, cull, observer)?;
         let every = *EVERY.get().expect("set before the first evaluation");
         if (TOLD.fetch_add(1, Ordering::Relaxed) + 1).is_multiple_of(every) {
             outcome.fitness += 1.0;

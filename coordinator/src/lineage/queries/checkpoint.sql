@@ -1,2 +1,2 @@
--- checkpoint: the latest of a stage.
-SELECT size, state FROM checkpoint WHERE stage = ?
+-- checkpoint: the state of the search before it asked for a generation of a stage.
+SELECT size, digest, state FROM checkpoint WHERE stage = ?1 AND generation = ?2

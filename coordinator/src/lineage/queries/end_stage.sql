@@ -1,2 +1,2 @@
--- end_stage: its last generation has ended.
-UPDATE stage SET ended_ms = CAST(unixepoch('subsec') * 1000 AS INTEGER) WHERE id = ?
+-- end_stage: its last generation has ended, and perhaps its run.
+UPDATE stage SET ended_ms = CAST(unixepoch('subsec') * 1000 AS INTEGER), over = ?2 WHERE id = ?1

@@ -1,3 +1,4 @@
--- stages: those of an experiment in order.
-SELECT id, run, number, name, generations, ended_ms IS NOT NULL AS ended
-FROM stage WHERE experiment = ? ORDER BY run, number
+-- stages: those of an experiment in order, with how many generations each has so far.
+SELECT s.id, s.run, s.number, s.name, s.generations, s.ended_ms IS NOT NULL AS ended, s.over,
+    (SELECT coalesce(max(g.number), 0) FROM generation AS g WHERE g.stage = s.id) AS latest
+FROM stage AS s WHERE s.experiment = ? ORDER BY s.run, s.number

@@ -1,2 +1,2 @@
--- unfinished: what a restart takes up again.
-SELECT id FROM experiment WHERE state IN ('running', 'paused') ORDER BY id
+-- unfinished: what has not ended.
+SELECT id FROM experiment WHERE state IN ('running', 'paused', 'awaiting') ORDER BY id

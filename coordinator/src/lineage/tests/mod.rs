@@ -53,13 +53,14 @@ impl House {
 
     async fn stage(&self, experiment: ExperimentId, run: u32) -> StageId {
         let name = "whole".to_owned();
-        let stage = NewStage { experiment, run, stage: 0, name, seed: 5, generations: Some(4) };
+        let stage =
+            NewStage { experiment, run, stage: 0, name, seed: 5, generations: Some(4), task_json: None };
         self.lineage.open_stage(stage).await.unwrap()
     }
 
     /// Opens a generation of `size`, closing the one before if there is one.
     async fn generation(&self, stage: StageId, generation: u32, size: u32) -> Vec<IndividualId> {
-        self.lineage.open_generation(opening(stage, generation, size)).await.unwrap()
+        self.lineage.open_generation(opening(stage, generation, size)).await.unwrap().1
     }
 
     /// Records an outcome for each.
@@ -105,18 +106,21 @@ fn experiment(name: &str) -> NewExperiment {
         program_version: "0.1.0".to_owned(),
         fingerprint: [7; 32],
         planned: Some(16),
+        origin: None,
     }
 }
 
 /// Founders in generation 1; later every individual has its neighbours of the generation before as parents.
 fn opening(stage: StageId, generation: u32, size: u32) -> OpenGeneration {
     OpenGeneration {
-        stage,
+        stage: InStage::Open(stage),
         generation,
         checkpoint: checkpoint(generation),
         culling: (generation > 1).then_some(Culling { at: 0.25, cutoff: Some(1.5) }),
         individuals: (0..size).map(|index| individual(generation, index, size)).collect(),
         close: (generation > 1).then(|| closing(Record::default())),
+        ends: None,
+        choice: None,
     }
 }
 
@@ -126,6 +130,10 @@ fn checkpoint(generation: u32) -> Vec<u8> {
 
 fn closing(record: Record) -> CloseGeneration {
     CloseGeneration { record, wall_seconds: 1.25 }
+}
+
+fn ending(stage: StageId, checkpoint: &[u8]) -> EndStage {
+    EndStage { stage, close: closing(Record::default()), checkpoint: checkpoint.to_vec(), over: true }
 }
 
 fn individual(generation: u32, index: u32, size: u32) -> Individual {

@@ -29,7 +29,8 @@ async fn a_kill_loses_what_was_not_flushed_and_nothing_else() {
     assert_eq!((unfinished.id, unfinished.stages.len()), (experiment, 1));
     assert_eq!((unfinished.stages[0].id, unfinished.stages[0].ended), (stage, false));
     let point = reader.resume_point(stage).await.unwrap().unwrap();
-    assert_eq!((point.generation, point.checkpoint), (2, checkpoint(2)));
+    assert_eq!((point.generation, point.task_json), (2, None));
+    assert_eq!(reader.checkpoint(stage, 2).await.unwrap(), Some(checkpoint(2)));
     assert_eq!(point.culling, Some(Culling { at: 0.25, cutoff: Some(1.5) }));
     let endings: Vec<_> = point.individuals.iter().map(|one| one.ending.clone()).collect();
     assert_eq!(endings, [Some(Ok(outcome(0.5))), Some(set_aside), None]);
@@ -55,7 +56,7 @@ async fn a_stage_without_a_generation_begins_anew_and_one_that_ended_is_done() {
     assert!(house.lineage.reader().resume_point(stage).await.unwrap().is_none());
     let ids = house.generation(stage, 1, 2).await;
     house.settle(&ids).await;
-    house.lineage.close_stage(stage, closing(Record::default()), vec![]).await.unwrap();
+    house.lineage.end_stage(ending(stage, b"the end"), None).await.unwrap();
     assert!(house.lineage.reader().resume_point(stage).await.unwrap().is_none());
     let digest = experiment_digest("edges");
     assert_eq!(house.lineage.reader().find_unfinished(&digest).await.unwrap(), Some(experiment));

@@ -35,7 +35,7 @@ async fn everything_written_is_read_again() {
     let mut next = opening(stage, 2, 4);
     next.individuals[3].inherits = Some(Place { stage: 0, generation: 1, index: 3 });
     next.close = Some(closing(Record { species: vec![species], notes }));
-    let second = house.lineage.open_generation(next).await.unwrap();
+    let (_, second) = house.lineage.open_generation(next).await.unwrap();
 
     let mut culled = outcome(0.0);
     culled.status = Status::Culled;
@@ -71,8 +71,7 @@ async fn everything_written_is_read_again() {
         },
     ];
     house.lineage.record(recorded).await.unwrap();
-    let close = closing(Record::default());
-    house.lineage.close_stage(stage, close, b"the end".to_vec()).await.unwrap();
+    house.lineage.end_stage(ending(stage, b"the end"), None).await.unwrap();
     house.lineage.set_state(experiment, State::Finished, String::new()).await.unwrap();
     house.lineage.worker_left("w1".to_owned(), "drained".to_owned()).await.unwrap();
     let event = Event {
@@ -88,7 +87,7 @@ async fn everything_written_is_read_again() {
     assert_eq!((stored.seed, stored.system_version, stored.runs), (u64::MAX - 1, 3, 2));
     assert_eq!((stored.state, stored.published.clone()), (State::Finished, json!([{"mean": 1.5}])));
     assert!(stored.stages[0].ended && stored.ended_ms.is_some());
-    let end = house.lineage.reader().checkpoint(stage).await.unwrap();
+    let end = house.lineage.reader().checkpoint(stage, 3).await.unwrap();
     assert_eq!(end.as_deref(), Some(&b"the end"[..]));
 
     let statuses =
@@ -189,7 +188,7 @@ async fn a_second_ending_changes_nothing() {
 async fn what_contradicts_the_lineage_is_refused_and_costs_nothing_else() {
     let house = House::new().await;
     let (experiment, stage) = house.begin("strict").await;
-    let refused = |result: Result<Vec<IndividualId>, WriteError>| match result {
+    let refused = |result: Result<(StageId, Vec<IndividualId>), WriteError>| match result {
         Err(WriteError::Contradiction { problem, .. }) => problem,
         other => panic!("{other:?}"),
     };
@@ -212,7 +211,15 @@ async fn what_contradicts_the_lineage_is_refused_and_costs_nothing_else() {
     house.lineage.record(recorded).await.unwrap();
     house.lineage.flush().await.unwrap();
     assert_eq!(house.one("SELECT evaluated FROM v_experiments").await, Cell::Integer(4));
-    let again = NewStage { experiment, run: 1, stage: 0, name: String::new(), seed: 0, generations: None };
+    let again = NewStage {
+        experiment,
+        run: 1,
+        stage: 0,
+        name: String::new(),
+        seed: 0,
+        generations: None,
+        task_json: None,
+    };
     assert!(matches!(house.lineage.open_stage(again).await, Err(WriteError::Contradiction { .. })));
     assert_eq!(*house.lineage.health().borrow(), Health::Good);
 }
@@ -311,7 +318,7 @@ async fn what_rests_on_the_word_of_a_liar_alone_is_taken_back_from_an_open_gener
     for individual in &mut next.individuals {
         individual.parents.clear();
     }
-    let ids = house.lineage.open_generation(next).await.unwrap();
+    let (_, ids) = house.lineage.open_generation(next).await.unwrap();
     let inherits = |heir, giver| Evaluated {
         ending: Ending::Inherits(giver),
         ruling: None,
