@@ -510,7 +510,8 @@ async fn a_worker_leaves_when_it_was_idle_for_too_long_and_not_while_it_is_busy(
 #[tokio::test]
 async fn a_hello_says_what_the_starter_says_of_the_worker() {
     let label = ("rack".to_owned(), "2".to_owned());
-    let mut stage = Stage::set_with(1, |config| config.with_labels(&[label.clone()]).unwrap()).await;
+    let mut stage =
+        Stage::set_with(1, |config| config.with_labels(std::slice::from_ref(&label)).unwrap()).await;
     let (_link, hello) = stage.welcome(b"here").await;
     assert_eq!(hello.labels.into_iter().collect::<Vec<_>>(), [label]);
 }
