@@ -40,6 +40,7 @@ fuzz: ## Bring a million mutations to every decoder
 
 peers: $(PEERS)/installed ## Measure MuJoCo, a Python process pool and Ray under the same loads
 	$(PEERS)/bin/python benches/peers/mujoco_walkers.py
+	cargo run --release -p creatures --example esp_steps -- bodies | $(PEERS)/bin/python benches/peers/mujoco_esp.py
 	$(PEERS)/bin/python benches/peers/pool.py
 	$(PEERS)/bin/python benches/peers/ray_tasks.py
 

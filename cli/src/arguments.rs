@@ -542,7 +542,8 @@ pub(crate) struct Compare {
     /// A matrix, one experiment, or several
     #[arg(value_name = "ID", required = true)]
     pub(crate) experiments: Vec<String>,
-    /// Draw the fitness curves into this folder, as curves.png and curves.svg
+    /// Draw the fitness curves into this folder: curves.png and curves.svg, a panel a cell, and best.png and
+    /// best.svg, all cells in one
     #[arg(long, value_name = "DIR")]
     pub(crate) plot: Option<PathBuf>,
     /// Write the fitness curves as CSV

@@ -1,6 +1,13 @@
 //! A world is built once and stepped for ever: no step allocates, shown by an allocator that counts what each
 //! thread asks for, since the test harness allocates on its own.
 
+use creatures::esp::brain::{Circuit, Forced};
+use creatures::esp::creature::Creature;
+use creatures::esp::fitness::Start;
+use creatures::esp::physics::Physics;
+use creatures::esp::sample;
+use creatures::esp::syllabus::{SkillId, SyllabusTable};
+use creatures::esp::trial::{Light, Living};
 use creatures::fish::samples::{COUNT, STEPS};
 use creatures::fish::{
     Body as FishBody, Calibrated, Chase, ControllerSet, Encoding, Samples, Still, Swimmer, abstracted,
@@ -152,4 +159,43 @@ fn a_fishs_step_allocates_nothing_whether_hand_made_or_learned() {
         assert_eq!(ALLOCATIONS.get() - before, 0);
         assert!((fish.center_of_mass() - start).length() > 0.1, "the fish is alive");
     }
+}
+
+/// The engine may allocate as it likes; what is ours of a step does not.
+#[test]
+fn an_esp_creatures_step_allocates_no_more_than_its_engine() {
+    let skill = serde_json::json!({ "skill": [{ "id": "it", "fitness": { "kind": "locomotion" } }] });
+    let syllabus = serde_json::from_value::<SyllabusTable>(skill).unwrap().check().unwrap();
+    let seeker = sample::seeker();
+    let body = seeker.body.develop().unwrap();
+    let forced = [Forced { skill: SkillId(0), sigma: 1.0 }];
+    let mut circuit = Circuit::new(&seeker.brain, &body.instances(), &syllabus, &forced);
+    let mut creature = Creature::spawn(&body, Physics::default(), Start::Rest).unwrap();
+    let lights = [Light { position: DVec3::new(3.0, 1.0, 0.3), strength: 0.3 }; 3];
+    let built = ALLOCATIONS.get();
+    drop(vec![0u8; 16]);
+    assert!(ALLOCATIONS.get() > built, "the allocator counts");
+    let (mut ours, mut bright) = (0, 0.0);
+    for _ in 0..300 {
+        let before = ALLOCATIONS.get();
+        creature.feel(circuit.lengths_mut());
+        creature.see(&lights, circuit.photos_mut());
+        bright += circuit.photos_mut().iter().sum::<f64>();
+        let activations = circuit.tick();
+        ours += ALLOCATIONS.get() - before;
+        creature.step(activations).unwrap();
+    }
+    assert!(bright > 1.0, "it sees");
+    assert_eq!(ours, 0);
+    // Slack, it lies still after a while: four steps of the engine are then as good as one of ours.
+    let slack = vec![0.0; body.muscles.len()];
+    (0..600).for_each(|_| creature.step(&slack).unwrap());
+    let count = |run: &mut dyn FnMut()| {
+        let before = ALLOCATIONS.get();
+        run();
+        ALLOCATIONS.get() - before
+    };
+    let engine = count(&mut || (0..400).for_each(|_| creature.world_mut().step()));
+    let whole = count(&mut || (0..100).for_each(|_| creature.step(&slack).unwrap()));
+    assert_eq!(whole, engine);
 }

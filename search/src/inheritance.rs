@@ -12,13 +12,13 @@ use std::collections::BTreeMap;
 pub(crate) struct Scored {
     pub(crate) genotype: GenotypeBytes,
     pub(crate) fitness: f64,
-    ending: Ending,
+    pub(crate) ending: Ending,
 }
 
 /// What its ending means to a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Ending {
+pub(crate) enum Ending {
     /// Its fitness is what it reached.
     Completed,
     /// Stopped by a cutoff that holds for its generation alone.

@@ -17,6 +17,7 @@ pub mod probe;
 pub mod registry;
 pub mod selection;
 mod settings;
+pub mod syllabus;
 
 pub use checkpoint::RestoreError;
 pub use culling::Culling;

@@ -2,6 +2,7 @@
 //! A new search is one line here. It runs nothing.
 
 use crate::checkpoint::RestoreError;
+use crate::syllabus::{self, AmendError, Difference};
 use crate::{Search, annealing, generational, grn, learning, neat, probe};
 use creatures::SpecError;
 use creatures::fish::{self, FishTask, WorldTask, habits};
@@ -13,6 +14,16 @@ use std::fmt;
 pub trait Plan: fmt::Debug + Send + Sync {
     /// The `[search]` table with every default filled in.
     fn table(&self) -> Value;
+
+    /// The lists of tables of [`Kind::lists`] with every default filled in, by their keys.
+    fn lists(&self) -> Vec<(&'static str, Value)> {
+        Vec::new() // most searches have `[search]` alone
+    }
+
+    /// The experiment's task, where the search knows it; none where `[task]` says it.
+    fn task(&self) -> Option<Value> {
+        None // most searches evolve for a task that they are given
+    }
 
     /// Individuals a generation; those of the largest stage where stages differ.
     fn population(&self) -> u32;
@@ -33,6 +44,17 @@ pub trait Plan: fmt::Debug + Send + Sync {
     /// # Errors
     /// Bytes that are no checkpoint of this search.
     fn restore(&self, seed: u64, stage: u32, bytes: &[u8]) -> Result<Box<dyn Search>, RestoreError>;
+
+    /// What differs between this plan and the one with which a checkpoint was written, if a search can go on from
+    /// there with this one.
+    ///
+    /// # Errors
+    /// A difference in what it has come to already; bytes that are no checkpoint; a kind of search that takes no
+    /// differences.
+    fn amend(&self, checkpoint: &[u8]) -> Result<Vec<Difference>, AmendError> {
+        let _ = checkpoint; // most searches go on with what they began with
+        Err(AmendError::Kind)
+    }
 }
 
 /// Reads a `[search]` table for a resolved task.
@@ -47,47 +69,62 @@ pub struct Kind {
     pub system: &'static str,
     /// Independent repetitions where the experiment does not say.
     pub runs: u32,
+    /// Lists of tables at the top of the file that the search reads as keys beside those of its own table.
+    pub lists: &'static [&'static str],
     read: Read,
 }
 
 /// Every kind.
-pub static KINDS: [Kind; 7] = [
+pub static KINDS: [Kind; 8] = [
     Kind {
         name: annealing::KIND,
         system: "fish",
         runs: 1,
+        lists: &[],
         read: |table, task| Ok(Box::new(annealing::Settings::read(table, task)?)),
     },
-    Kind { name: generational::KIND, system: "fish", runs: 1, read: read_fishes },
+    Kind { name: generational::KIND, system: "fish", runs: 1, lists: &[], read: read_fishes },
     Kind {
         name: generational::KIND,
         system: "flyer",
         runs: 1,
+        lists: &[],
         read: |table, _| Ok(Box::new(generational::Settings::<flyer::Settings>::read(table)?)),
     },
     Kind {
         name: grn::KIND,
         system: "walker",
         runs: 20,
+        lists: &[],
         read: |table, task| Ok(Box::new(grn::Settings::read(table, task)?)),
     },
     Kind {
         name: learning::KIND,
         system: "fish",
         runs: 1,
+        lists: &[],
         read: |table, task| Ok(Box::new(learning::Settings::read(table, task)?)),
     },
     Kind {
         name: neat::KIND,
         system: "walker",
         runs: 20,
+        lists: &[],
         read: |table, task| Ok(Box::new(neat::Settings::read(table, task)?)),
     },
     Kind {
         name: probe::KIND,
         system: "probe",
         runs: 1,
+        lists: &[],
         read: |table, task| Ok(Box::new(probe::Settings::read(table, task)?)),
+    },
+    Kind {
+        name: syllabus::KIND,
+        system: "esp",
+        runs: 1,
+        lists: &syllabus::LISTS,
+        read: |table, _| Ok(Box::new(syllabus::Settings::read(table)?)),
     },
 ];
 
@@ -145,7 +182,8 @@ pub fn kind(table: &Value, system: &str) -> Result<&'static Kind, SpecError> {
 }
 
 impl Kind {
-    /// Reads a `[search]` table for a resolved task.
+    /// Reads a `[search]` table, with the lists of [`Kind::lists`] in it, for a resolved task; the task is null
+    /// where the plan says it ([`Plan::task`]).
     ///
     /// # Errors
     /// An unknown key, a wrong type or a value out of range, with the path of the key.

@@ -8,6 +8,7 @@ use std::sync::LazyLock;
 use std::time::Duration;
 
 use hatchery_tests::command::{hatchery, json, json_lines, printed, run, start, succeed};
+use hatchery_tests::programs::program;
 use hatchery_tests::samples::{culled, walkers};
 use hatchery_tests::{Hatchery, local};
 use rustix::process::Signal;
@@ -129,6 +130,23 @@ fn a_replay_records_and_draws_what_it_lived() {
     succeed(folder, &["replay", &best, "--recording", "tenth.jsonl", "--every", "10"]);
     let tenth = std::fs::read_to_string(folder.join("tenth.jsonl")).expect("a recording");
     assert_eq!(tenth.lines().nth(2), text.lines().nth(11), "the tenth step follows the start");
+}
+
+/// Every question of the flyers' findings (flyer) is a statement that the views answer.
+#[test]
+fn findings_are_asked_of_a_lineage_by_one_script() {
+    let findings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments/findings");
+    let output = std::process::Command::new("sh")
+        .args([findings.join("ask.sh"), findings.join("flyers.sql"), finished().join("hatchery.db")])
+        .env("HATCHERY", program("hatchery"))
+        .output()
+        .expect("there is a shell");
+    assert!(output.status.success(), "{}", printed(&output));
+    let said = printed(&output);
+    for question in ["Q-1:", "Q-2:", "Q-3:", "Q-4 and Q-9:", "Q-5:", "Q-6:", "Q-7:", "Q-8:"] {
+        assert!(said.contains(question), "{question} in {said}");
+    }
+    assert_eq!(said.matches("rank_correlation").count(), 1, "the questions are answered: {said}");
 }
 
 #[test]

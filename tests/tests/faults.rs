@@ -155,7 +155,7 @@ fn a_read_only_lineage_is_refused_by_name_can_be_read_and_goes_on_once_it_is_wri
     let Some(disk) = Disk::mount(&folder, "64m") else { return };
     let mut hatchery = Hatchery::in_folder(folder);
     hatchery.join("w1");
-    let text = probe(17, 200, 30, 2000);
+    let text = probe(17, 200, 20, 500);
     let id = hatchery.submit(&text);
     hatchery.client().wait_until(id, |e| e.evaluated >= 300);
     hatchery.coordinator().signal(Signal::TERM);

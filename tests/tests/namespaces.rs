@@ -12,6 +12,9 @@ use hatchery_tests::programs::program;
 use hatchery_tests::samples::walkers;
 use hatchery_tests::{Process, local};
 
+const POPULATION: u32 = 40;
+const GENERATIONS: u32 = 30;
+
 /// Namespaces `hN-c` and `hN-w1`, `hN-w2`, …, deleted when this is dropped.
 struct Network {
     prefix: String,
@@ -119,10 +122,11 @@ fn ip(arguments: &[&str]) -> bool {
     Command::new("ip").args(arguments).output().is_ok_and(|output| output.status.success())
 }
 
-/// Waits until so many more individuals are settled.
+/// Waits until so many more individuals are settled, or all of them.
 fn advance(folder: &Path, by: i64) {
     let settled = || count(folder, "SELECT count(*) FROM v_individuals WHERE status <> 'pending'");
-    let (goal, deadline) = (settled() + by, Instant::now() + PATIENCE);
+    let all = i64::from(POPULATION * GENERATIONS);
+    let (goal, deadline) = ((settled() + by).min(all), Instant::now() + PATIENCE);
     while settled() < goal {
         assert!(Instant::now() < deadline, "the run stands still");
         std::thread::sleep(Duration::from_millis(20));
@@ -143,7 +147,7 @@ fn cut_links_and_kills_on_a_real_network_cost_time_and_nothing_else() {
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
-    let text = walkers("crawler", "grn", 21, 30, 6);
+    let text = walkers("crawler", "grn", 21, POPULATION, GENERATIONS);
     let file = folder.join("experiment.toml");
     std::fs::write(&file, &text).expect("the folder is writable");
     let mut keeper = Keeper::found(folder);

@@ -23,12 +23,13 @@ const ARROWS: [(&str, &[&str]); 9] = [
 
 /// What a pure crate may depend on: values in, values out. Whoever adds one has made sure that it has no
 /// runtime, no clock, no thread and no hash order that shows.
-const PURE_DEPENDENCIES: [&str; 14] = [
+const PURE_DEPENDENCIES: [&str; 15] = [
     "blake3",
     "ciborium",
     "creatures",
     "glam",
     "libm",
+    "parry3d-f64",
     "rand",
     "rand_chacha",
     "rapier3d",

@@ -26,7 +26,7 @@ use tonic::transport::Endpoint;
 /// How many streams; the last is the one that the service promises to carry.
 const COUNTS: [usize; 3] = [100, 1_000, 10_000];
 /// A stream says so often that it is alive.
-const HEARTBEAT: Duration = Duration::from_millis(1_000);
+const HEARTBEAT: Duration = Duration::from_millis(5_000);
 /// Connections that are being made at once.
 const DIALS_MAX: usize = 64;
 /// Idle for so long while it is measured.
@@ -49,7 +49,7 @@ fn main() -> Result<()> {
     ];
     let mut report = Report::new("streams", &columns);
     for count in counts {
-        let mut hatchery = Hatchery::with_heartbeat(1_000, 10_000);
+        let mut hatchery = Hatchery::with_heartbeat(10_000, 60_000);
         let address = hatchery.url().trim_start_matches("http://").parse()?;
         let id = hatchery.coordinator().id();
         let empty = resident_bytes(id);

@@ -7,7 +7,7 @@ use std::io::BufWriter;
 use anyhow::{Context, anyhow};
 
 use crate::arguments::Compare;
-use crate::compare::{cells, curves, plot, report, text};
+use crate::compare::{cells, curves, overlay, plot, report, text};
 use crate::connect::{Cells as Row, Connection, Source};
 use crate::exit::Failure;
 use crate::render::Output;
@@ -44,7 +44,9 @@ pub(super) async fn compare(arguments: Compare, output: Output) -> Result<(), Fa
         curves::write_csv(&report.curves, file).with_context(place)?;
     }
     if let Some(folder) = &arguments.plot {
-        for path in plot::draw(&report.curves, folder)? {
+        let panels = plot::draw(&report.curves, folder)?;
+        let together = overlay::draw(&report.curves, folder)?;
+        for path in panels.into_iter().chain(together) {
             if !output.json {
                 output.line(format!("drawn: {}", path.display()))?;
             }

@@ -3,6 +3,7 @@
 
 pub(crate) mod cells;
 pub(crate) mod curves;
+pub(crate) mod overlay;
 pub(crate) mod plot;
 pub(crate) mod report;
 pub(crate) mod statistics;

@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
+use super::charts::thinned;
 use super::ink;
 use super::ruler::round_below;
 use super::solid::{self, Face, Look, corners};
@@ -125,12 +126,10 @@ impl Camera {
     fn trails(&self, area: &Area<'_>, recording: &Recording) -> Result<()> {
         for creature in 0..recording.scene.creatures.len() {
             let colour = ink::trail(&recording.scene, creature).mix(0.5);
-            let pixels: Vec<_> = recording
-                .shots
-                .iter()
-                .filter_map(|shot| shot.frame.centers.get(creature))
-                .map(|&center| self.pixel(self.view.flat(center)))
-                .collect();
+            let centers = recording.shots.iter().filter_map(|shot| shot.frame.centers.get(creature));
+            let way: Vec<DVec2> = centers.map(|&center| self.view.flat(center)).collect();
+            let way = thinned(&way, DVec2::splat(self.scale));
+            let pixels: Vec<_> = way.into_iter().map(|at| self.pixel(at)).collect();
             for near in pixels.split(|&pixel| !self.is_near(pixel)).filter(|near| near.len() > 1) {
                 area.draw(&PathElement::new(near.to_vec(), colour.stroke_width(2)))?;
             }

@@ -97,6 +97,21 @@ fn labelled(what: &str, unit: &str) -> String {
     if unit.is_empty() { what.to_owned() } else { format!("{what}, {unit}") }
 }
 
+/// The points that lie at least two pixels apart, and the last: a broad line through nearer ones has gaps.
+/// `scale` is in pixels, across and up.
+pub(super) fn thinned(line: &[DVec2], scale: DVec2) -> Vec<DVec2> {
+    let mut kept: Vec<DVec2> = Vec::new();
+    for &point in line {
+        if kept.last().is_none_or(|&last| ((point - last) * scale).length() >= 2.0) {
+            kept.push(point);
+        }
+    }
+    if let (Some(&end), Some(last)) = (line.last(), kept.last_mut().filter(|_| line.len() > 1)) {
+        *last = end;
+    }
+    kept
+}
+
 /// A tick's label: the digits that tell ticks of a range apart, and no minus before nothing.
 fn figure(value: f64, range: f64) -> String {
     let digits = (1.0 - range.log10().floor()).clamp(0.0, 9.0) as usize;
@@ -149,7 +164,8 @@ impl Chart {
             .axis_desc_style(font(12))
             .draw()?;
         for (creature, line) in self.lines.iter().enumerate() {
-            let points = line.iter().map(|at| (at.x, at.y));
+            let points = thinned(line, room / (high - low));
+            let points = points.into_iter().map(|at| (at.x, at.y));
             chart.draw_series(LineSeries::new(points, colour(creature).stroke_width(SHARP)))?;
         }
         let mark = |at: &DVec2| Circle::new((at.x, at.y), 3 * SHARP, ink::TEXT.filled());
@@ -175,6 +191,16 @@ impl Chart {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_thinned_line_keeps_its_ends_and_no_crowd() {
+        let line: Vec<DVec2> = (0..=100).map(|x| DVec2::new(f64::from(x), 0.0)).collect();
+        let kept = thinned(&line, DVec2::splat(0.5));
+        assert_eq!((kept[0], kept[1], kept.len()), (line[0], line[4], 26));
+        assert_eq!(kept.last(), line.last());
+        assert_eq!(thinned(&line[..1], DVec2::ONE), line[..1]);
+        assert_eq!(thinned(&[], DVec2::ONE), []);
+    }
 
     #[test]
     fn ticks_have_the_digits_that_tell_them_apart() {

@@ -124,6 +124,10 @@ fn generation_line(name: &str, of: &v1::Generation) -> String {
     if of.best_individual > 0 {
         line.push_str(&format!(" by #{}", of.best_individual));
     }
+    let notes = notes(&of.notes);
+    if !notes.is_empty() {
+        line.push_str(&format!("; {notes}"));
+    }
     line
 }
 
@@ -131,6 +135,23 @@ fn generation_line(name: &str, of: &v1::Generation) -> String {
 fn position_in(of: &v1::Generation) -> String {
     let stage = if of.stage_name.is_empty() { "generation" } else { &of.stage_name };
     format!("{stage} {}", position(of.generation, of.generations))
+}
+
+/// The numbers that the search notes of a generation (flyers F-70), by their names in the lineage: the `notes`
+/// of `v_generations`. What is no number is left to those who ask there.
+fn notes(json: &str) -> String {
+    let all: serde_json::Map<String, serde_json::Value> = serde_json::from_str(json).unwrap_or_default();
+    let numbers = all.iter().filter_map(|(name, value)| Some((name, value.as_f64()?)));
+    numbers.map(|(name, value)| format!("{name} {}", short(value))).collect::<Vec<_>>().join(" ")
+}
+
+/// At most three decimals, and none that say nothing.
+fn short(value: f64) -> String {
+    let text = format!("{value:.3}");
+    match text.trim_end_matches('0').trim_end_matches('.') {
+        "-0" => "0".to_owned(),
+        text => text.to_owned(),
+    }
 }
 
 fn position(number: u32, of: u32) -> String {
@@ -260,6 +281,18 @@ mod tests {
         );
         let endless = v1::Generation { generations: 0, stage_name: "reach".into(), ..generation() };
         assert!(generation_line("a", &endless).starts_with("a run 2 reach 12 best"));
+    }
+
+    #[test]
+    fn a_generation_tells_the_numbers_that_its_search_noted() {
+        let notes = r#"{"best_span":50.4992,"median":483.0,"best_flap_frequency":0.17730,"stage":"reach","kept":[1]}"#;
+        let line = generation_line("flyers", &v1::Generation { notes: notes.into(), ..generation() });
+        assert!(line.ends_with(" by #4711; best_flap_frequency 0.177 best_span 50.499 median 483"), "{line}");
+        assert_eq!(
+            generation_line("a", &v1::Generation { notes: "{}".into(), ..generation() }),
+            generation_line("a", &generation())
+        );
+        assert_eq!([short(0.0), short(-1500.0), short(-1e-9)], ["0", "-1500", "0"]);
     }
 
     #[test]

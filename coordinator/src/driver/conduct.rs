@@ -188,7 +188,12 @@ impl Conductor {
                     };
                     self.report(output.take_conflicts()).await?;
                     let mut complete = self.settle(settled, &mut runs.waiting, &mut unwritten);
-                    for verdict in output.take_quarantined() {
+                    let verdicts = output.take_quarantined();
+                    for verdict in &verdicts {
+                        // Before the outcome that it was found out by: a kill between them must not hide it.
+                        self.driver.shared.lineage.worker_quarantined(verdict.worker.clone()).await?;
+                    }
+                    for verdict in verdicts {
                         // A generation whose last outcome came with the verdict is still open.
                         runs.waiting.extend(complete.drain(..).map(|run| (run.generation.first(), run)));
                         self.write(&mut unwritten).await?;

@@ -8,9 +8,23 @@ use serde_json::json;
 use super::conduct::{ConductError, Conductor};
 use super::run::Run;
 use crate::fleet::Evaluation;
-use crate::lineage::{Event, IndividualId};
+use crate::lineage::{Event, IndividualId, ResumePoint, StageId};
 
 impl Conductor {
+    /// Where a stage stands, without what rests on the word of workers that are trusted no more: a kill may have
+    /// come before it was taken back.
+    pub(super) async fn resume_point(&self, stage: StageId) -> Result<Option<ResumePoint>, ConductError> {
+        let lineage = &self.driver.shared.lineage;
+        let Some(point) = lineage.reader().resume_point(stage).await? else { return Ok(None) };
+        let Some(first) = point.individuals.first() else { return Ok(Some(point)) };
+        let mut is_as_it_was = true;
+        for worker in lineage.reader().quarantined().await? {
+            let retracted = lineage.retract(first.id, point.individuals.len() as u32, worker).await?;
+            is_as_it_was &= retracted.is_empty();
+        }
+        if is_as_it_was { Ok(Some(point)) } else { Ok(lineage.reader().resume_point(stage).await?) }
+    }
+
     /// Takes back what a worker delivered in the generations that wait, and hands it out again. Everything settled
     /// must have been written. Gives the runs that miss nothing.
     pub(super) async fn redo(
@@ -26,10 +40,13 @@ impl Conductor {
             let retracted = lineage.retract(first, size, worker.to_owned()).await?;
             for one in &retracted {
                 let index = run.generation.index(one.individual);
-                run.generation.unsettle(index.expect("what was taken back is of this generation"));
+                let index = index.expect("what was taken back is of this generation");
+                run.generation.unsettle(index);
+                let individual = lineage.reader().individual(one.individual).await?;
                 // Heirs are settled with the one that they inherit from.
-                if let Some(evaluation) = run.again.get(&one.individual) {
-                    again.push(Evaluation { attempts_before: one.attempts, ..evaluation.clone() });
+                if individual.inherits.is_none() {
+                    let evaluation = self.evaluation(run, index, individual.genotype);
+                    again.push(Evaluation { attempts_before: one.attempts, ..evaluation });
                 }
             }
             if !retracted.is_empty() {

@@ -1,7 +1,6 @@
 //! One run from generation to generation: taken up where it stands, told, asked, and opened in the lineage
 //! before anything is handed out. It waits for no outcome.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -15,8 +14,8 @@ use super::generation::{Generation, Inherited};
 use super::progress::{Ended, Happening, Tally};
 use crate::fleet::{Evaluation, TaskText};
 use crate::lineage::{
-    CloseGeneration, Culling, EndStage, InStage, IndividualId, NewChoice, NewStage, OpenGeneration,
-    ResumePoint, StageId, Standing, StoredStage, evaluation_seed,
+    CloseGeneration, Culling, EndStage, InStage, NewChoice, NewStage, OpenGeneration, ResumePoint, StageId,
+    Standing, StoredStage, evaluation_seed,
 };
 
 /// One run under way.
@@ -33,8 +32,8 @@ pub(super) struct Run {
     opened: Instant,
     /// To be handed out once the run waits for them: an outcome that came before would find nobody.
     pub(super) evaluations: Vec<Evaluation>,
-    /// All of the generation's, if the experiment is audited: an outcome may be taken back.
-    pub(super) again: BTreeMap<IndividualId, Evaluation>,
+    /// Of this generation.
+    culling: Option<Culling>,
 }
 
 /// A run that waits for a pick at the end of a stage.
@@ -87,7 +86,7 @@ impl Conductor {
         if latest.over {
             return Ok(Step::Over(number));
         }
-        if let Some(point) = reader.resume_point(latest.id).await? {
+        if let Some(point) = self.resume_point(latest.id).await? {
             let run = self.resume(number, &path, point).await?;
             return Ok(Step::Goes(Box::new(run)));
         }
@@ -142,8 +141,8 @@ impl Conductor {
         let settled = known(&point.individuals);
         let (generation, inherited) =
             Generation::new(point.generation, first.id, &inherits, settled, previous.as_ref());
-        let run = self.run(number, stage.id, named, search, generation);
-        self.begin(run, individuals, inherited, point.culling).await
+        let run = self.run(number, stage.id, named, search, generation, point.culling);
+        self.begin(run, individuals, inherited).await
     }
 
     fn run(
@@ -153,6 +152,7 @@ impl Conductor {
         named: search::Stage,
         search: Box<dyn Search>,
         generation: Generation,
+        culling: Option<Culling>,
     ) -> Run {
         let task = named.task.as_ref().map_or_else(
             || self.task.clone(),
@@ -161,8 +161,8 @@ impl Conductor {
                 Arc::new(TaskText::new(&stored.system, stored.system_version, &task.to_string()))
             },
         );
-        let (opened, evaluations, again) = (Instant::now(), Vec::new(), BTreeMap::new());
-        Run { number, stage, named, task, search, generation, inherited: 0, opened, evaluations, again }
+        let (opened, evaluations) = (Instant::now(), Vec::new());
+        Run { number, stage, named, task, search, generation, inherited: 0, opened, evaluations, culling }
     }
 
     /// Tells the search a whole generation and opens the next.
@@ -299,8 +299,8 @@ impl Conductor {
         let inherits: Vec<_> = individuals.iter().map(|individual| individual.inherits).collect();
         let none = vec![None; individuals.len()];
         let (generation, inherited) = Generation::new(generation, ids[0], &inherits, none, previous);
-        let run = self.run(number, stage, named, search, generation);
-        let run = self.begin(run, individuals, inherited, culling).await?;
+        let run = self.run(number, stage, named, search, generation, culling);
+        let run = self.begin(run, individuals, inherited).await?;
         Ok(Step::Goes(Box::new(run)))
     }
 
@@ -310,48 +310,32 @@ impl Conductor {
         mut run: Run,
         individuals: Vec<search::Individual>,
         inherited: Vec<Inherited>,
-        culling: Option<Culling>,
     ) -> Result<Run, ConductError> {
         run.inherited = individuals.iter().filter(|individual| individual.inherits.is_some()).count() as u32;
         self.driver.shared.lineage.record(inherited.into_iter().map(take_over).collect()).await?;
         let unsettled = run.generation.unsettled();
         self.progress.settled(individuals.len() - unsettled.len(), 0);
         self.progress.generation(&run);
-        let is_unsettled = unsettled.into_iter().collect::<BTreeSet<_>>();
-        for (index, individual) in individuals.into_iter().enumerate() {
-            let may_be_taken_back = self.experiment.audit > 0.0 && individual.inherits.is_none();
-            if !may_be_taken_back && !is_unsettled.contains(&index) {
-                continue;
-            }
-            let id = run.generation.id(index).expect("it has an id for each individual");
-            let evaluation = self.evaluation(&run, id, index as u32, individual.genotype, culling);
-            if is_unsettled.contains(&index) {
-                run.evaluations.push(evaluation.clone());
-            }
-            if may_be_taken_back {
-                run.again.insert(id, evaluation);
-            }
+        let mut individuals: Vec<_> = individuals.into_iter().map(Some).collect();
+        for index in unsettled {
+            let individual = individuals[index].take().expect("each index is unsettled once");
+            run.evaluations.push(self.evaluation(&run, index, individual.genotype));
         }
         Ok(run)
     }
 
-    fn evaluation(
-        &self,
-        run: &Run,
-        id: IndividualId,
-        index: u32,
-        genotype: Vec<u8>,
-        culling: Option<Culling>,
-    ) -> Evaluation {
+    /// What a run asks of the fleet for one of its individuals.
+    pub(super) fn evaluation(&self, run: &Run, index: usize, genotype: Vec<u8>) -> Evaluation {
         let seed = self.experiment.seed_of(run.number);
-        let place = Place { stage: run.named.number, generation: run.generation.number, index };
+        let (stage, generation) = (run.named.number, run.generation.number);
+        let place = Place { stage, generation, index: index as u32 };
         Evaluation {
-            id: id.0,
+            id: run.generation.id(index).expect("the index is within the generation").0,
             order: (run.number, place.generation, place.index),
             task: run.task.clone(),
             genotype: Bytes::from(genotype),
             seed: evaluation_seed(seed, place),
-            cull: culling.map(|culling| Cull {
+            cull: run.culling.map(|culling| Cull {
                 at: culling.at,
                 cutoff: culling.cutoff,
                 control: self.experiment.culling().is_some_and(|rule| rule.in_control(seed, place)),

@@ -1,3 +1,5 @@
+//! libFuzzer brings the bytes to the body `life`.
+
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| hatchery_fuzz::life(bytes));

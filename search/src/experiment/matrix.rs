@@ -1,6 +1,7 @@
 //! The cells of a `[matrix]`: lists of values of dotted keys, crossed into one experiment each. It reads no
 //! other table.
 
+use super::overrides::put;
 use super::problem::Problem;
 use super::tree::{Content, Node};
 use serde_json::Value;
@@ -27,7 +28,7 @@ impl Cell {
     pub(super) fn apply(&self, tree: &mut Node, text: &str) -> Result<(), Problem> {
         for (key, value) in &self.choices {
             let keys: Vec<String> = key.split('.').map(str::to_owned).collect();
-            tree.set(&keys, value.clone()).map_err(|problem| problem.at(text, value.span.clone()))?;
+            put(tree, &keys, value.clone()).map_err(|problem| problem.at(text, value.span.clone()))?;
         }
         Ok(())
     }

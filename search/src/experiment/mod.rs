@@ -15,6 +15,7 @@ pub use published::Published;
 use crate::checkpoint::RestoreError;
 use crate::culling::Culling;
 use crate::registry::Plan;
+use crate::syllabus::{AmendError, Difference};
 use crate::{Place, Search, registry};
 use serde::Serialize;
 use serde_json::Value;
@@ -41,6 +42,8 @@ pub struct Experiment {
     /// Share of evaluations that count only once two workers found the same bits (design: determinism).
     pub audit: f64,
     task: Value,
+    /// Whether the file says the task, and not the search.
+    says_task: bool,
     kind: &'static registry::Kind,
     plan: Arc<dyn Plan>,
     culling: Option<Culling>,
@@ -61,8 +64,11 @@ struct Resolved<'a> {
     audit: f64,
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     cell: &'a BTreeMap<String, Value>,
-    task: &'a Value,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    task: Option<&'a Value>,
     search: Value,
+    #[serde(flatten)]
+    lists: BTreeMap<&'static str, Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
     culling: Option<Culling>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
@@ -121,8 +127,9 @@ impl Experiment {
             runs: self.runs,
             audit: self.audit,
             cell: &self.cell,
-            task: &self.task,
+            task: self.says_task.then_some(&self.task),
             search: self.plan.table(),
+            lists: self.plan.lists().into_iter().collect(),
             culling: self.culling,
             published: &self.published,
         })
@@ -134,7 +141,8 @@ impl Experiment {
         *blake3::hash(self.resolved().as_bytes()).as_bytes()
     }
 
-    /// The resolved `[task]` table as the JSON text that travels to workers.
+    /// The resolved task as the JSON text that travels to workers; a stage may have another
+    /// ([`crate::Stage::task`]).
     pub fn task_json(&self) -> String {
         self.task.to_string()
     }
@@ -190,6 +198,16 @@ impl Experiment {
     /// Bytes that are no checkpoint of this search.
     pub fn restore(&self, run: u32, checkpoint: &[u8]) -> Result<Box<dyn Search>, RestoreError> {
         self.plan.restore(self.seed_of(run), 0, checkpoint)
+    }
+
+    /// What differs between this experiment and the one whose search wrote a checkpoint, if [`Experiment::restore`]
+    /// can go on from there with this one (ESP E-86); empty if nothing does.
+    ///
+    /// # Errors
+    /// A difference in what was evolved already, bytes that are no checkpoint, a kind of search that takes no
+    /// differences.
+    pub fn amend(&self, checkpoint: &[u8]) -> Result<Vec<Difference>, AmendError> {
+        self.plan.amend(checkpoint)
     }
 
     /// Generations of a run, those of all its stages, when known beforehand.

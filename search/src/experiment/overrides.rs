@@ -1,8 +1,9 @@
 //! What is laid over an experiment file: a profile of its own, then assignments from outside. It changes the
-//! tree and knows no key by name but `profile`.
+//! tree and knows no key by name but `profile` and `search`.
 
 use super::problem::{Problem, nearest};
 use super::tree::{Content, Node};
+use crate::registry;
 use serde_json::Value;
 use toml::de::{DeTable, DeValue};
 
@@ -58,8 +59,36 @@ pub(super) fn lay_profile(
         let message = "expected a table of keys to override";
         return Err(Problem::new(format!("profile.{chosen}"), message).at(text, profile.span));
     }
-    tree.overlay(profile);
+    let span = profile.span.clone();
+    if let Some(search) = profile.table().and_then(|table| table.get("search")).and_then(Node::table) {
+        search.keys().for_each(|key| hold_for_every_row(tree, key));
+    }
+    tree.overlay(profile, "").map_err(|problem| problem.at(text, span))?;
     Ok(Some(chosen.to_owned()))
+}
+
+/// Puts a value under a path of keys. What is put into `[search]` holds for every row of a list that would override
+/// it (ESP E-88).
+pub(super) fn put(tree: &mut Node, keys: &[String], value: Node) -> Result<(), Problem> {
+    if let [search, key, ..] = keys
+        && search == "search"
+    {
+        hold_for_every_row(tree, key);
+    }
+    tree.set(keys, value)
+}
+
+/// Takes a key out of the rows of every list at the top, so that what `[search]` says of it holds for them all.
+fn hold_for_every_row(tree: &mut Node, key: &str) {
+    let lists = registry::KINDS.iter().flat_map(|kind| kind.lists);
+    for list in lists {
+        let rows = tree.table_mut().and_then(|table| table.get_mut(*list));
+        if let Some(Content::List(rows)) = rows.map(|rows| &mut rows.content) {
+            rows.iter_mut().filter_map(Node::table_mut).for_each(|row| {
+                row.remove(key);
+            });
+        }
+    }
 }
 
 /// Sets one key from outside.
@@ -70,7 +99,7 @@ pub(super) fn assign(tree: &mut Node, key: &str, value: &str) -> Result<(), Prob
     if keys[0] == "profile" {
         return Err(Problem::new(key, "profiles are chosen, not set"));
     }
-    tree.set(&keys, Node::parse_value(key, value)?)
+    put(tree, &keys, Node::parse_value(key, value)?)
 }
 
 /// The parts of a dotted key, read as TOML reads it: quoted parts may hold dots.

@@ -50,6 +50,10 @@ struct Top {
     _profile: IgnoredAny,
     #[serde(default, rename = "matrix")]
     _matrix: IgnoredAny,
+    #[serde(default, rename = "skill")]
+    _skill: IgnoredAny,
+    #[serde(default, rename = "pandemonium")]
+    _pandemonium: IgnoredAny,
 }
 
 fn first_seed() -> u64 {
@@ -157,21 +161,31 @@ impl Reading<'_> {
         }
         let system = name.or_else(|| string(&tree, "system")).and_then(|name| self.system(&tree, name));
 
-        let mut task_tree = part("task").unwrap_or_else(Node::empty);
-        let task = system.and_then(|system| self.table("task", &mut task_tree, |task| system.resolve(task)));
         let culling = part("culling").and_then(|mut table| {
             self.table("culling", &mut table, |table| {
                 let culling: Culling = read_spec(table)?;
                 culling.check().map(|()| culling)
             })
         });
-        let search = part("search").unwrap_or_else(Node::empty);
+        let mut search = part("search").unwrap_or_else(Node::empty);
         let kind = system.and_then(|system| {
             let kind = registry::kind(&search.value(), system.name());
             kind.map_err(|error| self.refuse("search", &search, &error)).ok()
         });
-        // A search is read for its task.
-        let plan = kind.zip(task.as_ref()).and_then(|(kind, task)| {
+        let lists = kind.map_or(&[][..], |kind| kind.lists);
+        self.refuse_other_lists(&tree, kind);
+        let mut task_tree = part("task").unwrap_or_else(Node::empty);
+        // Where the search says the task, it is read first; else a search is read for its task.
+        let task = system
+            .filter(|_| lists.is_empty())
+            .and_then(|system| self.table("task", &mut task_tree, |task| system.resolve(task)));
+        for list in lists {
+            if let (Some(table), Some(rows)) = (search.table_mut(), part(list)) {
+                table.insert((*list).to_owned(), rows);
+            }
+        }
+        let known = if lists.is_empty() { task.as_ref() } else { Some(&Value::Null) };
+        let plan = kind.zip(known).and_then(|(kind, task)| {
             let read = |table: Value| {
                 if !table.is_object() {
                     return Err(SpecError::new("", "expected a table"));
@@ -180,6 +194,14 @@ impl Reading<'_> {
             };
             self.table("search", &mut search.clone(), read)
         });
+        let says_task = lists.is_empty();
+        let task = match plan.as_ref().and_then(|plan| plan.task()) {
+            Some(task) => system.and_then(|system| {
+                let resolved = system.resolve(task);
+                resolved.map_err(|error| self.refuse("", &search, &error)).ok()
+            }),
+            None => task,
+        };
         let (Some(top), Some(task), Some(kind), Some(plan)) = (top, task, kind, plan) else { return None };
         (self.problems.len() == before).then(|| Experiment {
             name: top.name,
@@ -191,11 +213,33 @@ impl Reading<'_> {
             runs: top.runs.unwrap_or(kind.runs),
             audit: top.audit,
             task,
+            says_task,
             kind,
             plan: Arc::from(plan),
             culling,
             published: top.published,
         })
+    }
+
+    /// Notes tables at the top that belong to other kinds of search, and a `[task]` where the search says it.
+    fn refuse_other_lists(&mut self, tree: &Node, kind: Option<&registry::Kind>) {
+        let Some(kind) = kind else { return };
+        let present = |key: &&str| tree.table().is_some_and(|table| table.contains_key(*key));
+        let lists = registry::KINDS.iter().flat_map(|kind| kind.lists);
+        for list in lists.filter(|list| present(list) && !kind.lists.contains(list)) {
+            let problem = format!("is no part of a search of kind `{}`", kind.name);
+            self.refuse("", tree, &SpecError::new(*list, problem));
+        }
+        if !kind.lists.is_empty() && present(&"task") {
+            let lists = kind.lists.join("]] and [[");
+            let problem = format!("is not written: the task of each stage follows from [[{lists}]]");
+            self.refuse("", tree, &SpecError::new("task", problem));
+        }
+        if !kind.lists.is_empty() && present(&"culling") {
+            let problem =
+                "is not for creatures that are examined skill by skill: retests stop those that fail";
+            self.refuse("", tree, &SpecError::new("culling", problem));
+        }
     }
 
     fn system(&mut self, tree: &Node, name: &str) -> Option<&'static dyn System> {
@@ -254,6 +298,12 @@ impl Reading<'_> {
             (None, _) if is_missing(error) => Some(0..0),
             (span, _) => span.clone(),
         };
+        // Lists are read with a search's table, and stand beside it.
+        let list = |list: &&str| {
+            error.path.strip_prefix(*list).is_some_and(|rest| rest.is_empty() || rest.starts_with(['[', '.']))
+        };
+        let at_top = registry::KINDS.iter().flat_map(|kind| kind.lists).any(list);
+        let prefix = if at_top { "" } else { prefix };
         self.problems.push(Problem::of_table(prefix, error).at(self.text, span));
     }
 

@@ -1,7 +1,7 @@
 //! The experiment file as a tree of values that remember where in the text they stand. It knows TOML and
 //! nothing of experiments.
 
-use super::problem::{Problem, join};
+use super::problem::{Problem, join, nearest};
 use serde_json::{Map, Number, Value};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -99,46 +99,70 @@ impl Node {
         let Some((key, rest)) = self.step(path).map(|(key, rest)| (key.to_owned(), rest)) else {
             return false;
         };
-        let Some(table) = self.table_mut() else { return false };
-        match table.get_mut(&key) {
-            Some(child) if child.table().is_some() && !rest.is_empty() => child.remove(rest),
-            _ => table.remove(&key).is_some(),
+        match self.child_mut(&key) {
+            Some(child) if !rest.is_empty() && child.has_tables() => child.remove(rest),
+            _ => self.table_mut().is_some_and(|table| table.remove(&key).is_some()),
         }
     }
 
-    /// Puts a value under a path of keys, with tables on the way where there are none.
+    /// Whether it is a table, or a list of them.
+    fn has_tables(&self) -> bool {
+        match &self.content {
+            Content::Table(_) => true,
+            Content::List(list) => list.iter().any(|node| node.table().is_some()),
+            Content::Scalar(_) => false,
+        }
+    }
+
+    /// Puts a value under a path of keys, with tables on the way where there are none. In a list of tables with an
+    /// `id` each a key names the one with that id.
     pub(super) fn set(&mut self, keys: &[String], value: Node) -> Result<(), Problem> {
         let Some((last, way)) = keys.split_last() else { return Ok(()) };
         let mut here = self;
         for (depth, key) in way.iter().enumerate() {
-            here = here
-                .table_mut()
-                .ok_or_else(|| no_table(&keys[..depth]))?
-                .entry(key.clone())
-                .or_insert_with(Node::empty);
+            here = match here.content {
+                Content::Table(ref mut table) => table.entry(key.clone()).or_insert_with(Node::empty),
+                Content::List(ref mut list) => row(list, key, &keys[..depth].join("."))?,
+                Content::Scalar(_) => return Err(no_table(&keys[..depth])),
+            };
         }
         let table = here.table_mut().ok_or_else(|| no_table(way))?;
         table.insert(last.clone(), value);
         Ok(())
     }
 
-    /// Lays another tree over this one: tables are merged, all else is replaced.
-    pub(super) fn overlay(&mut self, over: Node) {
+    /// Lays another tree over this one: tables are merged, all else is replaced. A table over a list of tables with
+    /// an `id` each names some of them by that id.
+    pub(super) fn overlay(&mut self, over: Node, path: &str) -> Result<(), Problem> {
         match (&mut self.content, over.content) {
             (Content::Table(under), Content::Table(table)) => {
                 for (key, node) in table {
                     match under.get_mut(&key) {
-                        Some(present) => present.overlay(node),
+                        Some(present) => present.overlay(node, &join(path, &key))?,
                         None => {
                             under.insert(key, node);
                         }
                     }
                 }
             }
+            (Content::List(list), Content::Table(table)) => {
+                for (key, node) in table {
+                    row(list, &key, path)?.overlay(node, &join(path, &key))?;
+                }
+            }
             (under, over_content) => {
                 *under = over_content;
                 (self.span, self.key) = (over.span, over.key);
             }
+        }
+        Ok(())
+    }
+
+    fn child_mut(&mut self, key: &str) -> Option<&mut Node> {
+        match &mut self.content {
+            Content::Table(table) => table.get_mut(key),
+            Content::List(list) => list.get_mut(key.parse::<usize>().ok()?),
+            Content::Scalar(_) => None,
         }
     }
 
@@ -180,6 +204,25 @@ impl Node {
             Content::Scalar(_) => {}
         }
     }
+}
+
+/// The table of a list that has an id.
+fn row<'a>(list: &'a mut [Node], id: &str, path: &str) -> Result<&'a mut Node, Problem> {
+    let id_of = |node: &Node| match &node.table()?.get("id")?.content {
+        Content::Scalar(Value::String(id)) => Some(id.clone()),
+        _ => None,
+    };
+    let ids: Vec<Option<String>> = list.iter().map(id_of).collect();
+    if let Some(place) = ids.iter().position(|known| known.as_deref() == Some(id)) {
+        return Ok(&mut list[place]);
+    }
+    let ids: Vec<&str> = ids.iter().flatten().map(String::as_str).collect();
+    let problem = Problem::new(join(path, id), format!("there is no `{id}` in the list `{path}`"));
+    Err(match (nearest(id, &ids), ids.is_empty()) {
+        (Some(meant), _) => problem.help(format!("did you mean `{meant}`? there are: {}", ids.join(", "))),
+        (None, false) => problem.help(format!("there are: {}", ids.join(", "))),
+        (None, true) => problem.help("none of its tables has an `id`"),
+    })
 }
 
 fn no_table(way: &[String]) -> Problem {
@@ -272,12 +315,30 @@ mod tests {
     #[test]
     fn an_overlay_merges_tables_and_replaces_all_else() {
         let mut tree = Node::parse("a = 1\n[t]\nx = [1, 2]\ny = 3\n").unwrap();
-        tree.overlay(Node::parse("[t]\nx = [9]\nz = 4\n").unwrap());
+        tree.overlay(Node::parse("[t]\nx = [9]\nz = 4\n").unwrap(), "").unwrap();
         assert_eq!(tree.value(), serde_json::json!({"a": 1, "t": {"x": [9], "y": 3, "z": 4}}));
         tree.set(&["t".into(), "u".into(), "v".into()], Node::parse_value("k", "7").unwrap()).unwrap();
         assert_eq!(tree.value()["t"]["u"]["v"], 7);
         assert!(tree.set(&["a".into(), "b".into()], Node::empty()).is_err());
         assert!(tree.remove("t.x[0]"), "a key goes as a whole");
         assert!(!tree.remove("t.x"));
+    }
+
+    #[test]
+    fn a_key_names_a_table_of_a_list_by_its_id() {
+        let mut tree = Node::parse("[[s]]\nid = \"one\"\n[[s]]\nid = \"two\"\na = 1\nb = [2]\n").unwrap();
+        tree.overlay(Node::parse("s.two.a = 7\n").unwrap(), "").unwrap();
+        tree.set(&["s".into(), "one".into(), "a".into()], Node::parse_value("k", "8").unwrap()).unwrap();
+        let rows = |tree: &Node| tree.value()["s"].clone();
+        let one = serde_json::json!({ "id": "one", "a": 8 });
+        assert_eq!(rows(&tree), serde_json::json!([one, { "id": "two", "a": 7, "b": [2] }]));
+        let problem = tree.overlay(Node::parse("s.tow.a = 7\n").unwrap(), "").unwrap_err();
+        assert_eq!(
+            problem.to_string(),
+            "`s.tow`: there is no `tow` in the list `s`; did you mean `two`? there are: one, two"
+        );
+        assert!(tree.set(&["s".into(), "three".into(), "a".into()], Node::empty()).is_err());
+        assert!(tree.remove("s[1].b[0]"), "from its own table");
+        assert_eq!(rows(&tree), serde_json::json!([one, { "id": "two", "a": 7 }]));
     }
 }

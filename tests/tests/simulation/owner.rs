@@ -139,7 +139,8 @@ async fn generation(
         (disk.closed.len() as u32 + 1, previous.map(Iterator::collect::<Vec<_>>))
     };
     let rule = of.experiment.culling().expect("the experiment has a rule");
-    let cutoff = previous.and_then(|all| rule.cutoff(&all, of.experiment.interim_measure(of.experiment.task())));
+    let cutoff =
+        previous.and_then(|all| rule.cutoff(&all, of.experiment.interim_measure(of.experiment.task())));
     let asked = (0..).zip(&individuals).map(|(index, individual)| {
         let place = Place { stage: 0, generation: number, index };
         (index, of.evaluation(place, individual, cutoff))

@@ -143,6 +143,10 @@ pub struct Receptor {
 }
 
 impl Joint {
+    /// Every kind.
+    pub const ALL: [Joint; 5] =
+        [Joint::Fixed, Joint::Revolute, Joint::Spherical, Joint::Prismatic, Joint::Cylindrical];
+
     /// How many degrees of freedom it leaves (E-4).
     pub fn freedoms(self) -> usize {
         match self {
@@ -202,7 +206,7 @@ impl Body {
     }
 
     /// The ids of all genes with their fields, segments first.
-    fn ids(&self) -> impl Iterator<Item = (String, GeneId)> + '_ {
+    pub(in crate::esp) fn ids(&self) -> impl Iterator<Item = (String, GeneId)> + '_ {
         let segments = self.segments.iter().enumerate().flat_map(|(index, segment)| {
             let place = format!("segments[{index}]");
             let receptors = segment.receptors.iter().enumerate();

@@ -2,6 +2,7 @@
 //! mends nothing.
 
 use super::Phenotype;
+use super::genotype::SEGMENTS_MAX;
 use super::overlap::Solid;
 use glam::DVec3;
 use std::ops::RangeInclusive;
@@ -22,6 +23,12 @@ pub const OVERLAP_MAX: f64 = 0.005;
 /// Why a graph has no legal body (E-19).
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Illegal {
+    /// Only while graphs are grafted (E-17, E-40); one that is read names its field.
+    #[error("its graph has {found} segments where {SEGMENTS_MAX} are the most")]
+    TooManySegments {
+        /// How many genes.
+        found: usize,
+    },
     /// Expression stopped at the first part too many (EF-7).
     #[error("it has more than {PARTS_MAX} parts")]
     TooManyParts,
@@ -61,6 +68,7 @@ impl Illegal {
     /// Its name in notes.
     pub fn name(&self) -> &'static str {
         match self {
+            Illegal::TooManySegments { .. } => "too_many_segments",
             Illegal::TooManyParts => "too_many_parts",
             Illegal::TooManyMuscles { .. } => "too_many_muscles",
             Illegal::TooManyReceptors { .. } => "too_many_receptors",

@@ -100,6 +100,30 @@ impl Shape {
         }
     }
 
+    /// Every length with its legal range, to move it.
+    pub fn lengths_mut(&mut self) -> Vec<(&mut f64, RangeInclusive<f64>)> {
+        match self {
+            Shape::Box(half) => half.iter_mut().map(|length| (length, EXTENT)).collect(),
+            Shape::Sphere(radius) => vec![(radius, EXTENT)],
+            Shape::Capsule { radius, half_length } => vec![(radius, CAPSULE_RADIUS), (half_length, EXTENT)],
+        }
+    }
+
+    /// The two other kinds of shape, reaching about as far along x, y and z as is legal.
+    pub fn kin(self) -> [Shape; 2] {
+        let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| self.reach(axis));
+        let cuboid = Shape::Box([x, y, z]);
+        let ball = Shape::Sphere((x + y + z) / 3.0);
+        let thickness = (y + z) / 2.0;
+        let capsule = Shape::Capsule { radius: thickness, half_length: x - thickness };
+        let kin = match self {
+            Shape::Box(_) => [ball, capsule],
+            Shape::Sphere(_) => [cuboid, capsule],
+            Shape::Capsule { .. } => [cuboid, ball],
+        };
+        kin.map(|shape| shape.scaled(1.0))
+    }
+
     /// A length that is not legal: its name, its value and its range (E-2).
     pub fn illegal_length(self) -> Option<(&'static str, f64, RangeInclusive<f64>)> {
         let lengths = match self {
@@ -148,6 +172,22 @@ mod tests {
         assert!((Shape::Sphere(0.2).cross_section() - 0.04 * PI).abs() < 1e-12);
         let capsule = Shape::Capsule { radius: 0.1, half_length: 0.3 };
         assert!((capsule.mass() - (6.0 * PI + 4.0 / 3.0 * PI)).abs() < 1e-9);
+    }
+
+    /// E-41
+    #[test]
+    fn kin_are_of_about_the_same_size_and_legal() {
+        let capsule = Shape::Capsule { radius: 0.1, half_length: 0.3 };
+        assert_eq!(capsule.kin(), [Shape::Box([0.4, 0.1, 0.1]), Shape::Sphere((0.4 + 0.1 + 0.1) / 3.0)]);
+        assert_eq!(
+            Shape::Box([0.4, 0.1, 0.1]).kin()[1],
+            Shape::Capsule { radius: 0.1, half_length: 0.4 - 0.1 }
+        );
+        let flat = Shape::Sphere(0.2).kin()[1];
+        assert_eq!(flat, Shape::Capsule { radius: 0.2, half_length: 0.03 }, "as short as is legal");
+        for shape in [Shape::Box([0.03, 0.5, 0.5]), Shape::Sphere(0.5), Shape::Box([0.5; 3])] {
+            assert!(shape.kin().iter().all(|kin| kin.illegal_length().is_none()), "{shape:?}");
+        }
     }
 
     /// E-13

@@ -126,6 +126,11 @@ impl Brain {
         self.controls.iter().find(|control| control.skill == skill)
     }
 
+    /// The control that is not locked, if there is one.
+    pub fn open(&self) -> Option<&Control> {
+        self.controls.iter().find(|control| control.seal != Seal::Locked)
+    }
+
     /// The control of a skill, if there is one, to change it.
     pub fn control_mut(&mut self, skill: SkillId) -> Option<&mut Control> {
         self.controls.iter_mut().find(|control| control.skill == skill)
@@ -205,6 +210,20 @@ impl Control {
     /// Every input that is there.
     pub fn sources(&self) -> impl Iterator<Item = &Source> {
         self.nodes.iter().flat_map(Node::sources)
+    }
+
+    /// Every key of a muscle or receptor at which a wire ends, to rename it.
+    pub fn keys_mut(&mut self) -> impl Iterator<Item = &mut InstanceKey> {
+        let sources = self.nodes.iter_mut().flat_map(|node| node.inputs.iter_mut().flatten());
+        let read = sources.filter_map(|source| match source {
+            Source::Length(key) | Source::Photo(key) => Some(key),
+            Source::Node(_) | Source::Sensor(_) => None,
+        });
+        let driven = self.outputs.iter_mut().filter_map(|output| match &mut output.target {
+            Target::Muscle(key) => Some(key),
+            Target::Skill(_) => None,
+        });
+        read.chain(driven)
     }
 
     /// Whether the skill has a sigma, and gates.

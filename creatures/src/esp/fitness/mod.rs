@@ -173,8 +173,8 @@ impl Fitness {
             kind.as_ref().and_then(|kind| KINDS.iter().find(|(name, _)| kind.as_str() == Some(name)));
         let Some((_, reader)) = reader else {
             let known = Fitness::kinds().collect::<Vec<_>>().join("`, `");
-            let found = kind.map_or_else(|| "none".to_owned(), |kind| kind.to_string());
-            return Err(SpecError::new("kind", format!("{found} where the known ones are `{known}`")));
+            let found = kind.map_or_else(|| "is missing".to_owned(), |kind| format!("{kind} is none"));
+            return Err(SpecError::new("kind", format!("{found}; known are `{known}`")));
         };
         let fitness = reader(table.into())?;
         fitness.scoring().check()?;

@@ -27,12 +27,8 @@ pub(crate) fn lived(seconds: f64, fill: impl Fn(f64, &mut Moment)) -> Record {
 #[test]
 fn an_unknown_kind_key_or_value_is_named_with_what_is_allowed() {
     for (table, path, words) in [
-        (
-            json!({ "kind": "locomotoin" }),
-            "kind",
-            "\"locomotoin\" where the known ones are `locomotion`, `turn`",
-        ),
-        (json!({ "seconds": 5.0 }), "kind", "none where the known ones"),
+        (json!({ "kind": "locomotoin" }), "kind", "\"locomotoin\" is none; known are `locomotion`, `turn`"),
+        (json!({ "seconds": 5.0 }), "kind", "is missing; known are"),
         (json!("locomotion"), "", "not a table"),
         (
             json!({ "kind": "locomotion", "secs": 5.0 }),

@@ -1,5 +1,6 @@
 //! The syllabus as a file has it: names, not yet looked up. It says what may be written, and checks nothing.
 
+use super::{SkillId, Syllabus};
 use crate::esp::pandemonium::Winner;
 use serde::{Deserialize, Serialize};
 
@@ -13,6 +14,28 @@ pub struct SyllabusTable {
     /// The groups.
     #[serde(default)]
     pub pandemonium: Vec<GroupTable>,
+}
+
+impl Syllabus {
+    /// The syllabus as a file has it, with every default filled in.
+    pub fn table(&self) -> SyllabusTable {
+        let names = |ids: &[SkillId]| ids.iter().map(|id| self.skills[id.index()].name.clone()).collect();
+        let skill = self.skills.iter().map(|skill| SkillTable {
+            id: skill.name.clone(),
+            uses: names(&skill.uses),
+            grow: skill.grow.clone(),
+            sensors: skill.sensors.clone(),
+            drive_body: skill.drive_body,
+            body: if skill.evolve_body { BodyRule::Evolve } else { BodyRule::Locked },
+            fitness: serde_json::to_value(&skill.fitness).expect("parameters are plain structs"),
+        });
+        let group = |group: &super::Group| GroupTable {
+            members: names(&group.members),
+            winner: group.winner,
+            floor: group.floor,
+        };
+        SyllabusTable { skill: skill.collect(), pandemonium: self.groups.iter().map(group).collect() }
+    }
 }
 
 /// One skill, as written.

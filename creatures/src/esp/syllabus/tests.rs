@@ -54,6 +54,15 @@ fn the_ten_skills_are_legal_and_decided_from_the_top() {
     assert_eq!(clusters.iter().map(Vec::len).sum::<usize>(), 10);
 }
 
+#[test]
+fn a_checked_syllabus_is_written_with_every_default() {
+    let syllabus = ten_skills().check().unwrap();
+    let table = syllabus.table();
+    assert_eq!(table.check().unwrap(), syllabus);
+    assert_eq!(table.skill[0].fitness["speed_max"], 3.0);
+    assert_eq!(check(&[skill("a", &[])], &[]).unwrap().table().skill[0].fitness["seconds"], 10.0);
+}
+
 /// EF-1
 #[test]
 fn a_cycle_is_named() {

@@ -1,6 +1,7 @@
 //! Tasks as they are written, and what comes out of them.
 
 use crate::esp::sample::{seeker, walker};
+use crate::esp::syllabus::SkillId;
 use crate::esp::{Esp, Genotype};
 use crate::{Nobody, Outcome, Reason, Status, System};
 use serde_json::{Value, json};
@@ -135,6 +136,18 @@ fn who_fails_in_every_trial_is_aborted_with_the_reason() {
     assert_ne!(reason, Reason::SelfIntersecting);
     assert!(outcome.note.contains("trial 0: ") && outcome.note.contains("at step"), "{}", outcome.note);
     assert_eq!(measure(&outcome, &format!("fault.{}", reason.word())), Some(1.0));
+}
+
+/// T-13, E-48: a skill that is encapsulated, and tested alone, lives the same life to the bit.
+#[test]
+fn encapsulation_changes_no_bit_of_a_life() {
+    let task =
+        one_skill(json!({ "kind": "expression", "seconds": 3.0, "score": "mean(com_x) + mean(top_z)" }));
+    let open = evaluate(&task, &walker());
+    let mut sealed = walker();
+    sealed.encapsulate(SkillId(0));
+    assert_ne!(sealed, walker());
+    assert_eq!(evaluate(&task, &sealed).digest(), open.digest());
 }
 
 /// One creature alone is the creature among others (design: determinism).
