@@ -166,6 +166,10 @@ pub(crate) struct Run {
     /// The lineage file; made if it does not exist
     #[arg(long, value_name = "FILE", env = "HATCHERY_DB", default_value = "hatchery.db")]
     pub(crate) db: PathBuf,
+    /// Begin with this creature as the finished first skill (search.import): an individual of the lineage file, or a
+    /// file with its genotype, as bytes or as `hatchery show INDIVIDUAL --json` prints it
+    #[arg(long, value_name = "INDIVIDUAL|FILE")]
+    pub(crate) import: Option<String>,
     /// What changes the file.
     #[command(flatten)]
     pub(crate) overrides: Overrides,
@@ -216,6 +220,10 @@ pub(crate) struct Submit {
     /// Take up an unfinished experiment of the same file and settings instead of making another one
     #[arg(long)]
     pub(crate) resume: bool,
+    /// Begin with this creature as the finished first skill (search.import): an individual of the coordinator's
+    /// lineage, or a file with its genotype, as bytes or as `hatchery show INDIVIDUAL --json` prints it
+    #[arg(long, value_name = "INDIVIDUAL|FILE")]
+    pub(crate) import: Option<String>,
     /// What changes the file.
     #[command(flatten)]
     pub(crate) overrides: Overrides,

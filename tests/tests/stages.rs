@@ -307,7 +307,7 @@ fn a_changed_file_is_refused_where_it_changes_what_has_begun() {
     run(folder.path(), 5);
     for (changed, word) in [
         (text.replace("seed = 43", "seed = 44"), "seed is 44, was 43"),
-        (text.replace("work = 3", "work = 4"), "`probe`"),
+        (text.replace("work = 3", "work = 4"), "`syllabus`"),
     ] {
         std::fs::write(folder.path().join("changed.toml"), changed).expect("the folder is writable");
         let refused = command::run(folder.path(), &["amend", "last", "changed.toml"]);
