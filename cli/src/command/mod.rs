@@ -11,6 +11,7 @@ mod control;
 mod export;
 mod fork;
 mod hash;
+mod import;
 mod lineage;
 mod list;
 mod pick;

@@ -15,7 +15,7 @@ use proto::v1::watch_event::What;
 use proto::v1::{ControlRequest, SubmitReply, SubmitRequest};
 use tokio::sync::watch as latest;
 
-use super::{check, read_experiment, watch};
+use super::{check, import, read_experiment, watch};
 use crate::arguments::Run;
 use crate::connect::{Connection, PROMPT, Source, within};
 use crate::crew::{Crew, News};
@@ -29,17 +29,22 @@ pub(super) async fn run(mut arguments: Run, output: Output) -> Result<(), Failur
     let begun = Instant::now();
     arguments.overrides = arguments.overrides.with_seed(arguments.seed);
     let text = read_experiment(&arguments.file)?;
+    let again = again(&arguments);
+    if let Some(named) = &arguments.import {
+        let lineage = Source::File(arguments.db.clone());
+        arguments.overrides.set.push(import::assignment(named, &lineage).await?);
+    }
     // A file with problems makes no database.
     check::parse(&arguments.file, &text, &arguments.overrides)?;
     let coordinator = coordinator::start(Config::embedded(arguments.db.clone()));
     let coordinator = coordinator.await.map_err(anyhow::Error::new)?;
     let mut crew = Crew::start(workers(&arguments), &address(&coordinator));
     let done = tokio::select! {
-        done = conduct(&arguments, text, &coordinator, &mut crew, output) => done,
+        done = conduct(&arguments, &again, text, &coordinator, &mut crew, output) => done,
         () = signals.first() => Err(Failure::Interrupted(format!(
             "interrupted; what was evaluated is in {}, and this goes on with it: {}",
             arguments.db.display(),
-            again(&arguments)
+            again
         ))),
     };
     let summary = match done {
@@ -69,6 +74,7 @@ struct Conducted {
 /// Submits the file and follows the experiment to its end, with an eye on the workers.
 async fn conduct(
     arguments: &Run,
+    again: &str,
     text: String,
     coordinator: &Running,
     crew: &mut Crew,
@@ -114,9 +120,7 @@ async fn conduct(
     }
     progress.end();
     watch::verdict(progress.experiments()).map_err(|failure| match failure {
-        Failure::Awaiting(what) => {
-            Failure::Awaiting(format!("{what}; and then, to go on: {}", again(arguments)))
-        }
+        Failure::Awaiting(what) => Failure::Awaiting(format!("{what}; and then, to go on: {again}")),
         other => other,
     })?;
     let experiments = submitted.experiments.iter().map(|experiment| experiment.id).collect();
@@ -175,6 +179,9 @@ fn again(arguments: &Run) -> String {
     if let Some(workers) = arguments.workers {
         option("--workers", workers.to_string());
     }
+    if let Some(named) = &arguments.import {
+        option("--import", named.clone());
+    }
     option("--db", arguments.db.display().to_string());
     words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
 }
@@ -198,6 +205,7 @@ mod tests {
             seed: Some(7),
             workers: Some(2),
             db: "b.db".into(),
+            import: None,
             overrides: overrides.with_seed(Some(7)),
         };
         let expected = r"hatchery run 'my files/a.toml' --profile smoke --set 'name=it'\''s' --set seed=7 --workers 2 --db b.db";

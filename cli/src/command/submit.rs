@@ -4,7 +4,7 @@
 use proto::v1::{SubmitReply, SubmitRequest};
 use serde_json::json;
 
-use super::read_experiment;
+use super::{import, read_experiment};
 use crate::arguments::Submit;
 use crate::connect::{Connection, PROMPT, Source, within};
 use crate::exit::Failure;
@@ -12,7 +12,11 @@ use crate::render::{Output, json, number};
 
 pub(super) async fn submit(arguments: Submit, output: Output) -> Result<(), Failure> {
     let text = read_experiment(&arguments.file)?;
-    let overrides = arguments.overrides.with_seed(arguments.seed);
+    let mut overrides = arguments.overrides.with_seed(arguments.seed);
+    let source = Source::coordinator(&arguments.dial)?;
+    if let Some(named) = &arguments.import {
+        overrides.set.push(import::assignment(named, &source).await?);
+    }
     let connection = Connection::open(&Source::coordinator(&arguments.dial)?).await?;
     let request = SubmitRequest {
         text: text.clone(),

@@ -106,12 +106,18 @@ pub(super) async fn differences(
     if !refused.is_empty() {
         return Err(AmendError::Refused(refused));
     }
-    let _ = (lineage, checkpoints);
-    if changed.digest() != stored.digest {
-        let kind = changed.search_kind();
-        return Err(AmendError::Refused(vec![format!("a search of kind `{kind}` goes on as it began")]));
+    let mut noted: Vec<String> = Vec::new();
+    for &(stage, generation) in checkpoints {
+        let Some(checkpoint) = lineage.reader().checkpoint(stage, generation).await? else { continue };
+        let differences = changed.amend(&checkpoint);
+        let differences = differences.map_err(|error| AmendError::Refused(vec![error.to_string()]))?;
+        for difference in differences.iter().map(ToString::to_string) {
+            if !noted.contains(&difference) {
+                noted.push(difference);
+            }
+        }
     }
-    Ok(Vec::new())
+    Ok(noted)
 }
 
 impl Driver {
