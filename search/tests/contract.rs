@@ -17,7 +17,8 @@ fn plan(kind: &str, body: &str) -> Box<dyn Plan> {
         table["neat"] = json!({ "add_node": 0.2, "add_link": 0.3, "weights": 0.4, "interspecies": 0.1 });
     }
     let kind = registry::kind(&table, system).expect("the kind fits");
-    kind.plan(table, &json!({ "body": body })).expect("the table is legal")
+    let task = if system == "probe" { json!({}) } else { json!({ "body": body }) };
+    kind.plan(table, &task).expect("the table is legal")
 }
 
 const SEARCHES: [(&str, &str); 4] =
