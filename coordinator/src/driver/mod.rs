@@ -68,6 +68,9 @@ struct Shared {
     fleet: Fleet,
     fingerprint: [u8; 32],
     active: Mutex<BTreeMap<ExperimentId, Active>>,
+    /// What was taken up when this coordinator started, by the digest of its file: it may end before somebody
+    /// asks to go on with it.
+    taken_up: Mutex<BTreeMap<[u8; 32], ExperimentId>>,
     /// Held by who picks, and by an experiment that comes to rest for want of a pick.
     picking: Arc<tokio::sync::Mutex<()>>,
     happenings: broadcast::Sender<Happening>,
@@ -102,6 +105,7 @@ impl Driver {
                 fleet,
                 fingerprint,
                 active: Mutex::default(),
+                taken_up: Mutex::default(),
                 picking: Arc::default(),
                 happenings: broadcast::channel(4096).0,
                 stopping: watch::channel(false).0,
@@ -109,6 +113,7 @@ impl Driver {
         };
         for stored in driver.shared.lineage.reader().unfinished().await? {
             if stored.state == State::Running {
+                driver.taken_up().insert(stored.digest, stored.id);
                 driver.take_up(stored).await?;
             }
         }
@@ -280,6 +285,10 @@ impl Driver {
     fn tell(&self, id: ExperimentId) {
         // Nobody listening is no error.
         let _ = self.shared.happenings.send(Happening::State(id));
+    }
+
+    fn taken_up(&self) -> std::sync::MutexGuard<'_, BTreeMap<[u8; 32], ExperimentId>> {
+        self.shared.taken_up.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn active(&self) -> std::sync::MutexGuard<'_, BTreeMap<ExperimentId, Active>> {

@@ -12,7 +12,8 @@ pub struct Submission {
     pub text: String,
     /// Which profile, and which keys are overridden.
     pub overrides: Overrides,
-    /// Take up an unfinished experiment of the same resolved text instead of making another one.
+    /// Take up an unfinished experiment of the same resolved text instead of making another one; also one that
+    /// this coordinator took up when it started, and that has ended since.
     pub resume: bool,
 }
 
@@ -47,7 +48,9 @@ impl Driver {
         let mut ids = vec![None; cells.len()];
         if submission.resume {
             for (id, cell) in ids.iter_mut().zip(&cells) {
-                *id = lineage.reader().find_unfinished(&cell.digest()).await?;
+                let digest = cell.digest();
+                let taken_up = self.taken_up().remove(&digest);
+                *id = lineage.reader().find_unfinished(&digest).await?.or(taken_up);
             }
         }
         let new: Vec<_> = cells
@@ -62,7 +65,11 @@ impl Driver {
         for id in ids {
             match id {
                 Some(id) => {
-                    self.resume(id).await?;
+                    match self.resume(id).await {
+                        // One that was taken up at the start and has come to its end since.
+                        Ok(()) | Err(ControlError::Ended(..)) => {}
+                        Err(error) => return Err(error.into()),
+                    }
                     all.push(id);
                 }
                 None => {
