@@ -4,11 +4,13 @@
 //! ```text
 //! programs    finds and builds the binaries           process     one guarded child, its signals and its log
 //! hatchery    a coordinator, its workers, a lineage   client      questions over gRPC
-//! samples     small experiments                      keeper     credentials and their tokens
+//! samples     small experiments                       keeper      credentials and their tokens
+//! disguise    workers with something wrong with them
 //! ```
 
 pub mod client;
 pub mod command;
+pub mod disguise;
 pub mod hatchery;
 pub mod keeper;
 pub mod local;
@@ -17,5 +19,6 @@ pub mod programs;
 pub mod samples;
 
 pub use client::Client;
+pub use disguise::Disguise;
 pub use hatchery::Hatchery;
 pub use process::Process;

@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use std::sync::OnceLock;
 
 use clap::Parser;
-use creatures::{Cull, DecodeError, Observer, Outcome, Proof, SpecError, System, Task};
+use creatures::{Cull, DecodeError, Observer, Outcome, Task};
+use hatchery_tests::Disguise;
 
 /// What is wrong with this worker.
 #[derive(Debug, Parser)]
@@ -37,7 +38,7 @@ async fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    config.systems = fragile;
+    config.systems = |name| DISGUISE.system(name);
     if arguments.foreign_physics {
         config.fingerprint[0] ^= 1;
     }
@@ -53,35 +54,7 @@ async fn main() -> ExitCode {
     }
 }
 
-/// The registry of this worker.
-fn fragile(name: &str) -> Option<&'static dyn System> {
-    if name == creatures::probe::Probe.name() { Some(&FragileProbe) } else { creatures::system(name) }
-}
-
-/// The probe, deadly to the process.
-struct FragileProbe;
-
-impl System for FragileProbe {
-    fn name(&self) -> &'static str {
-        creatures::probe::Probe.name()
-    }
-
-    fn version(&self) -> u32 {
-        creatures::probe::Probe.version()
-    }
-
-    fn resolve(&self, task: serde_json::Value) -> Result<serde_json::Value, SpecError> {
-        creatures::probe::Probe.resolve(task)
-    }
-
-    fn task(&self, resolved: &str) -> Result<Box<dyn Task>, SpecError> {
-        Ok(Box::new(FragileTask(creatures::probe::Probe.task(resolved)?)))
-    }
-
-    fn proofs(&self) -> Vec<Proof> {
-        creatures::probe::Probe.proofs()
-    }
-}
+static DISGUISE: Disguise = Disguise(|task| Box::new(FragileTask(task)));
 
 struct FragileTask(Box<dyn Task>);
 

@@ -7,7 +7,8 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Parser;
-use creatures::{Cull, DecodeError, Observer, Outcome, Proof, SpecError, System, Task};
+use creatures::{Cull, DecodeError, Observer, Outcome, Task};
+use hatchery_tests::Disguise;
 
 /// How this worker lies.
 #[derive(Debug, Parser)]
@@ -33,7 +34,7 @@ async fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    config.systems = lying;
+    config.systems = |name| DISGUISE.system(name);
     match worker::run(config, pending()).await {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -43,35 +44,7 @@ async fn main() -> ExitCode {
     }
 }
 
-/// The registry of this worker.
-fn lying(name: &str) -> Option<&'static dyn System> {
-    if name == creatures::probe::Probe.name() { Some(&LyingProbe) } else { creatures::system(name) }
-}
-
-/// The probe, whose outcomes are sometimes made up.
-struct LyingProbe;
-
-impl System for LyingProbe {
-    fn name(&self) -> &'static str {
-        creatures::probe::Probe.name()
-    }
-
-    fn version(&self) -> u32 {
-        creatures::probe::Probe.version()
-    }
-
-    fn resolve(&self, task: serde_json::Value) -> Result<serde_json::Value, SpecError> {
-        creatures::probe::Probe.resolve(task)
-    }
-
-    fn task(&self, resolved: &str) -> Result<Box<dyn Task>, SpecError> {
-        Ok(Box::new(LyingTask(creatures::probe::Probe.task(resolved)?)))
-    }
-
-    fn proofs(&self) -> Vec<Proof> {
-        creatures::probe::Probe.proofs()
-    }
-}
+static DISGUISE: Disguise = Disguise(|task| Box::new(LyingTask(task)));
 
 struct LyingTask(Box<dyn Task>);
 
