@@ -30,7 +30,8 @@ const SETTLING_STEPS: u32 = 120;
 /// The shortest shadow of the forward axis on the ground that gives a heading (E-21).
 const FORWARD_MIN: f64 = 0.1;
 
-/// An expressed body, at work.
+/// An expressed body, at work. A clone goes on as it does, to the bit.
+#[derive(Clone)]
 pub struct Creature<'a> {
     phenotype: &'a Phenotype,
     physics: Physics,

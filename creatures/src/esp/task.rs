@@ -285,10 +285,15 @@ impl Task for EspTask {
         let (genotype, phenotype) = self.read(genotype)?;
         let body = phenotype.instances();
         let context = Context { syllabus: &self.syllabus, impacts: &self.impacts };
+        // Trials differ after they have begun: who settles in one start pose settles so in all of them.
+        let mut settled = BTreeMap::new();
         let mut candidate = Candidate {
             brain: &genotype.brain,
             body: &body,
-            spawn: |setup: &Setup| Creature::spawn(&phenotype, self.physics, setup.start),
+            spawn: |setup: &Setup| {
+                let spawn = || Creature::spawn(&phenotype, self.physics, setup.start);
+                settled.entry(setup.start).or_insert_with(spawn).clone()
+            },
         };
         let report = candidate.examine(&self.tests, &context, observer);
         Ok(self.outcome(&genotype, &phenotype, report))

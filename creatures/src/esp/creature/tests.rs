@@ -86,6 +86,30 @@ fn an_undriven_muscle_or_a_receptor_changes_no_bit() {
     assert_eq!(run(&more), before);
 }
 
+/// E-20: trials begin with clones of one settled creature, which has to be as good as settling anew. So has one
+/// taken in full swing, while the first goes another way.
+#[test]
+fn a_clone_goes_on_to_the_same_bits() {
+    let body = sample::quadruped_body().develop().unwrap();
+    let live = |creature: &mut Creature, phase: usize| -> Vec<State> {
+        let states = (0..150_usize).map(|step| {
+            let on = |muscle: usize| if (step / 15 + muscle + phase).is_multiple_of(2) { 1.0 } else { 0.0 };
+            creature.step(&(0..16).map(on).collect::<Vec<f64>>()).unwrap();
+            creature.state()
+        });
+        states.collect()
+    };
+    let settled = spawn(&body);
+    let (mut clone, mut fresh) = (settled.clone(), spawn(&body));
+    let walked = live(&mut fresh, 0);
+    assert!((walked[149].centre - walked[0].centre).length() > 0.01, "it moves");
+    assert_eq!(live(&mut clone, 0), walked);
+    let mut other = clone.clone();
+    live(&mut clone, 1);
+    assert_eq!(live(&mut other, 0), live(&mut fresh, 0));
+    assert_ne!(clone.state(), other.state(), "they share nothing");
+}
+
 /// A trunk and one limb of a kind of joint, with a muscle across the gap: above it, where a hinge about y bends
 /// and a slide along x shortens.
 fn limb(kind: genotype::Joint) -> Phenotype {

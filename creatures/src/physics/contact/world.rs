@@ -5,8 +5,8 @@ use glam::{DQuat, DVec3};
 use rapier3d::math::{Pose as EnginePose, Rotation, Vector};
 use rapier3d::parry::query::Ray;
 use rapier3d::prelude::{
-    ColliderBuilder, ColliderHandle, MassProperties, PhysicsWorld, RigidBody, RigidBodyBuilder,
-    RigidBodyHandle, SharedShape,
+    ColliderBuilder, ColliderHandle, CollisionPipeline, MassProperties, PhysicsPipeline, PhysicsWorld,
+    RigidBody, RigidBodyBuilder, RigidBodyHandle, SharedShape,
 };
 
 /// The size of what is built, m: the engine's tolerances follow it. At 0.1 a contact may be half a millimetre
@@ -64,7 +64,7 @@ pub struct World {
     discs: Vec<ColliderHandle>,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Part {
     body: RigidBodyHandle,
     collider: ColliderHandle,
@@ -73,7 +73,7 @@ struct Part {
     inertia: DVec3,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Tether {
     parent: usize,
     child: usize,
@@ -257,6 +257,36 @@ impl World {
 
     fn body(&self, part: usize) -> &RigidBody {
         &self.engine.bodies[self.parts[part].body]
+    }
+}
+
+/// A world of its own that goes on to the same bits. What the engine's pipelines hold is of use within a step
+/// alone, but for the parts that the last step took out of the world: do not clone what is not finite.
+impl Clone for World {
+    fn clone(&self) -> World {
+        let engine = &self.engine;
+        World {
+            settings: self.settings,
+            engine: PhysicsWorld {
+                gravity: engine.gravity,
+                integration_parameters: engine.integration_parameters,
+                physics_pipeline: PhysicsPipeline::new(),
+                collision_pipeline: CollisionPipeline::new(),
+                islands: engine.islands.clone(),
+                broad_phase: engine.broad_phase.clone(),
+                narrow_phase: engine.narrow_phase.clone(),
+                bodies: engine.bodies.clone(),
+                colliders: engine.colliders.clone(),
+                impulse_joints: engine.impulse_joints.clone(),
+                multibody_joints: engine.multibody_joints.clone(),
+                soft_bodies: engine.soft_bodies.clone(),
+                ccd_solver: engine.ccd_solver.clone(),
+            },
+            ground: self.ground,
+            parts: self.parts.clone(),
+            tethers: self.tethers.clone(),
+            discs: self.discs.clone(),
+        }
     }
 }
 
