@@ -31,17 +31,20 @@ pub enum Reason {
     Sinking,
     /// There is more energy than the muscles gave (ESP E-23).
     EnergyFromNothing,
+    /// It still moves by itself when its trial should begin (ESP E-20).
+    Unsettled,
 }
 
 impl Reason {
     /// Every reason, for those who list them.
-    pub const ALL: [Reason; 6] = [
+    pub const ALL: [Reason; 7] = [
         Reason::NonFinite,
         Reason::BlowUp,
         Reason::SelfIntersecting,
         Reason::JointSeparation,
         Reason::Sinking,
         Reason::EnergyFromNothing,
+        Reason::Unsettled,
     ];
 
     /// The word used in the lineage: `aborted:WORD`.
@@ -53,6 +56,7 @@ impl Reason {
             Reason::JointSeparation => "joint_separation",
             Reason::Sinking => "sinking",
             Reason::EnergyFromNothing => "energy_from_nothing",
+            Reason::Unsettled => "unsettled",
         }
     }
 }

@@ -125,6 +125,7 @@ impl From<Status> for v1::Status {
             Status::Aborted(Reason::JointSeparation) => v1::Status::AbortedJointSeparation,
             Status::Aborted(Reason::Sinking) => v1::Status::AbortedSinking,
             Status::Aborted(Reason::EnergyFromNothing) => v1::Status::AbortedEnergyFromNothing,
+            Status::Aborted(Reason::Unsettled) => v1::Status::AbortedUnsettled,
         }
     }
 }
@@ -144,6 +145,7 @@ impl TryFrom<v1::Status> for Status {
             v1::Status::AbortedJointSeparation => Ok(Status::Aborted(Reason::JointSeparation)),
             v1::Status::AbortedSinking => Ok(Status::Aborted(Reason::Sinking)),
             v1::Status::AbortedEnergyFromNothing => Ok(Status::Aborted(Reason::EnergyFromNothing)),
+            v1::Status::AbortedUnsettled => Ok(Status::Aborted(Reason::Unsettled)),
         }
     }
 }

@@ -25,7 +25,7 @@ const CLEARANCE: f64 = 0.01;
 const STILL: f64 = 0.05;
 /// Steps at rest after which a creature is settled: 0.25 s (E-20).
 const STILL_STEPS: u32 = 15;
-/// Steps after which it is settled in any case: 2 s (E-20).
+/// Steps within which it has to settle: 2 s (E-20).
 const SETTLING_STEPS: u32 = 120;
 /// The shortest shadow of the forward axis on the ground that gives a heading (E-21).
 const FORWARD_MIN: f64 = 0.1;
@@ -64,15 +64,14 @@ struct Pull {
 }
 
 impl<'a> Creature<'a> {
-    /// Puts a body into an empty world and lets it settle with slack muscles (E-20): its time begins after that.
+    /// Puts a body into an empty world and lets it settle with slack muscles (E-20): its time begins after that,
+    /// at rest.
     ///
     /// # Errors
-    /// What went wrong while it settled.
+    /// What went wrong while it settled, or that it did not.
     pub fn spawn(phenotype: &'a Phenotype, physics: Physics, start: Start) -> Result<Creature<'a>, Fault> {
         let mut creature = Creature::place(phenotype, physics, start);
         creature.settle()?;
-        creature.settled = true;
-        creature.steps = 0;
         Ok(creature)
     }
 
@@ -136,13 +135,28 @@ impl<'a> Creature<'a> {
         creature
     }
 
+    /// What still falls or rolls when its time is over would score by that alone, and so would the last of a roll
+    /// that counts as rest: the one is a fault, the other is stopped (E-20).
     fn settle(&mut self) -> Result<(), Fault> {
         let mut still = 0;
-        while self.steps < SETTLING_STEPS && still < STILL_STEPS {
+        while still < STILL_STEPS {
+            if self.steps == SETTLING_STEPS {
+                return Err(self.fault(FaultKind::Unsettled(self.fastest())));
+            }
             self.advance(&[])?;
             still = if self.fastest() < STILL { still + 1 } else { 0 };
         }
+        self.world.stop();
+        self.balance = Balance::open(self.world.energy());
+        self.stretch();
+        self.observe(self.state.ground_force);
+        self.settled = true;
+        self.steps = 0;
         Ok(())
+    }
+
+    fn fault(&self, kind: FaultKind) -> Fault {
+        Fault { kind, step: self.steps, settled: self.settled }
     }
 
     /// One step; muscles without an activation are slack.
@@ -156,7 +170,7 @@ impl<'a> Creature<'a> {
             ground_force += self.world.ground_force();
         }
         self.steps += 1;
-        self.examine(work).map_err(|kind| Fault { kind, step: self.steps, settled: self.settled })?;
+        self.examine(work).map_err(|kind| self.fault(kind))?;
         self.observe(ground_force / f64::from(self.physics.substeps));
         Ok(())
     }

@@ -37,6 +37,9 @@ pub enum FaultKind {
     /// Deeper than [`SINKING_MAX`].
     #[error("a segment is {0:.3} m deep in the ground, over {SINKING_MAX}")]
     Sinking(f64),
+    /// It does not come to rest before the trial: a fall must not score (E-20).
+    #[error("a segment still moves at {0:.2} m/s when it should have settled")]
+    Unsettled(f64),
     /// The energy balance does not hold: more came than the muscles gave.
     #[error("{0:.1} J came from nothing")]
     Energy(f64),
@@ -50,6 +53,7 @@ impl FaultKind {
             FaultKind::Speed(_) => Reason::BlowUp,
             FaultKind::Separation(_) => Reason::JointSeparation,
             FaultKind::Sinking(_) => Reason::Sinking,
+            FaultKind::Unsettled(_) => Reason::Unsettled,
             FaultKind::Energy(_) => Reason::EnergyFromNothing,
         }
     }

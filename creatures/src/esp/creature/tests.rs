@@ -164,6 +164,25 @@ fn a_slack_creature_stays_where_it_settled() {
     }
 }
 
+/// E-20: what rolls by itself when its trial should begin has no trial, and what is at rest begins it at rest.
+#[test]
+fn a_roll_from_the_spawn_does_not_score() {
+    let body = lump(Shape::Capsule { radius: 0.2, half_length: 0.2 });
+    let roll = |speed: f64| {
+        let mut creature = Creature::place(&body, Physics::default(), Start::Rest);
+        creature.world.push(0, DVec3::Y * speed * creature.mass * 240.0, DVec3::ZERO);
+        creature.settle().map(|()| creature)
+    };
+    let fault = roll(1.0).err().unwrap();
+    assert!(matches!(fault, Fault { kind: FaultKind::Unsettled(speed), step: 120, settled: false } if speed > 0.05));
+    assert_eq!(fault.kind.reason().word(), "unsettled");
+    let mut slow = roll(0.03).unwrap();
+    let place = slow.state.centre;
+    assert!(place.y > 0.005, "it had rolled");
+    (0..600).for_each(|_| slow.step(&[]).unwrap());
+    assert!((slow.state.centre - place).length() < 1e-4, "{}", slow.state.centre);
+}
+
 /// E-24, E-25: a muscle across a joint of any kind pulls its limb, and no joint comes apart.
 #[test]
 fn a_muscle_moves_what_its_joint_leaves_free() {

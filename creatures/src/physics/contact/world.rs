@@ -199,6 +199,15 @@ impl World {
         }
     }
 
+    /// Takes all motion out of the world.
+    pub fn stop(&mut self) {
+        for part in &self.parts {
+            let body = self.engine.bodies.get_mut(part.body).expect("parts stay");
+            body.set_linvel(Vector::ZERO, false);
+            body.set_angvel(Vector::ZERO, false);
+        }
+    }
+
     /// Whether every part is where numbers are. The engine takes others out of the world.
     pub fn is_finite(&self) -> bool {
         self.engine.quarantine().is_empty()
