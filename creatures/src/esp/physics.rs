@@ -23,6 +23,8 @@ pub struct Physics {
     pub friction: f64,
     /// Of everything on everything.
     pub restitution: f64,
+    /// Of what is round on the ground, as a share of its radius: without it who is kicked once rolls on for ever.
+    pub rolling_resistance: f64,
     /// 1/s.
     pub linear_damping: f64,
     /// 1/s.
@@ -42,6 +44,7 @@ impl Default for Physics {
             gravity: 9.81,
             friction: 0.8,
             restitution: 0.1,
+            rolling_resistance: 0.05,
             linear_damping: 0.02,
             angular_damping: 0.2,
             muscle_damping: 0.02,
@@ -74,6 +77,7 @@ impl Physics {
         let ranges = [
             ("friction", self.friction, 10.0),
             ("restitution", self.restitution, 1.0),
+            ("rolling_resistance", self.rolling_resistance, 1.0),
             ("linear_damping", self.linear_damping, 100.0),
             ("angular_damping", self.angular_damping, 100.0),
             ("muscle_damping", self.muscle_damping, 1.0),
@@ -95,6 +99,7 @@ impl Physics {
             gravity: self.gravity,
             friction: self.friction,
             restitution: self.restitution,
+            rolling_resistance: self.rolling_resistance,
             linear_damping: self.linear_damping,
             angular_damping: self.angular_damping,
             density: super::body::shape::DENSITY,

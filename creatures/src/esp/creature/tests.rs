@@ -168,8 +168,9 @@ fn a_slack_creature_stays_where_it_settled() {
 #[test]
 fn a_roll_from_the_spawn_does_not_score() {
     let body = lump(Shape::Capsule { radius: 0.2, half_length: 0.2 });
+    let physics = Physics { rolling_resistance: 0.0, ..Physics::default() };
     let roll = |speed: f64| {
-        let mut creature = Creature::place(&body, Physics::default(), Start::Rest);
+        let mut creature = Creature::place(&body, physics, Start::Rest);
         creature.world.push(0, DVec3::Y * speed * creature.mass * 240.0, DVec3::ZERO);
         creature.settle().map(|()| creature)
     };

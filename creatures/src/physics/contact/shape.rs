@@ -70,6 +70,14 @@ impl Shape {
         }
     }
 
+    /// Radius on which it rolls, m; 0 for what has edges.
+    pub(super) fn rounding(self) -> f64 {
+        match self {
+            Shape::Cuboid(_) => 0.0,
+            Shape::Ball(radius) | Shape::Capsule { radius, .. } => radius,
+        }
+    }
+
     pub(super) fn shared(self) -> SharedShape {
         match self {
             Shape::Cuboid(half) => SharedShape::cuboid(half.x as f32, half.y as f32, half.z as f32),

@@ -11,6 +11,7 @@ fn settings() -> Settings {
         gravity: 9.81,
         friction: 0.8,
         restitution: 0.1,
+        rolling_resistance: 0.0,
         linear_damping: 0.0,
         angular_damping: 0.0,
         density: 1000.0,
@@ -118,6 +119,30 @@ fn the_ground_carries_what_lies_on_it() {
         assert!(sunk.abs() < 1e-3, "{shape:?} is {sunk} m deep");
         assert!(world.twist(part).linear.length() < 1e-3);
     }
+}
+
+/// E-22: a ball that rolls at v stops after 7 v² / (10 μ g), as its two equations of motion have it; without the
+/// resistance it goes on, and what has edges is left alone.
+#[test]
+fn what_rolls_comes_to_rest() {
+    let way = |shape: Shape, rolling_resistance: f64| {
+        let mut world = World::new(Settings { rolling_resistance, ..settings() });
+        let ball = world.insert(shape, &at(0.0, 0.0, 0.2));
+        let inertia = world.mass(ball) * 0.4 * 0.2 * 0.2;
+        world.push(ball, DVec3::X * world.mass(ball) * 240.0, DVec3::ZERO);
+        world.push(ball, DVec3::Z * inertia * 5.0 * 240.0 / 0.1, DVec3::X * -0.1); // 5 rad/s about y
+        world.push(ball, DVec3::Z * inertia * -5.0 * 240.0 / 0.1, DVec3::ZERO);
+        for _ in 0..1200 {
+            world.step();
+        }
+        (world.pose(ball).position.x, world.twist(ball).linear.length())
+    };
+    let (stopped, left) = way(Shape::Ball(0.2), 0.05);
+    assert!((stopped / (0.7 / (0.05 * 9.81)) - 1.0).abs() < 0.02, "{stopped} m");
+    assert!(left < 1e-3, "{left} m/s");
+    let (rolled, left) = way(Shape::Ball(0.2), 0.0);
+    assert!((rolled / 5.0 - 1.0).abs() < 0.02 && left > 0.95, "{rolled} m, {left} m/s");
+    assert_eq!(way(Shape::Cuboid(DVec3::splat(0.2)), 0.05), way(Shape::Cuboid(DVec3::splat(0.2)), 0.0));
 }
 
 /// E-4: each kind of joint holds what it locks and leaves what it frees, whichever way its axis points.

@@ -28,6 +28,9 @@ pub struct Settings {
     pub friction: f64,
     /// Of everything on everything.
     pub restitution: f64,
+    /// Of what is round on the ground: the lever of the ground's normal force against its spin, as a share of its
+    /// radius.
+    pub rolling_resistance: f64,
     /// 1/s.
     pub linear_damping: f64,
     /// 1/s.
@@ -159,11 +162,7 @@ impl World {
     /// Where a part is.
     pub fn pose(&self, part: usize) -> Pose {
         let pose = self.body(part).position();
-        let (t, r) = (pose.translation, pose.rotation);
-        Pose {
-            position: double(t),
-            rotation: DQuat::from_xyzw(r.x.into(), r.y.into(), r.z.into(), r.w.into()),
-        }
+        Pose { position: double(pose.translation), rotation: quaternion(pose.rotation) }
     }
 
     /// How a part moves.
@@ -196,6 +195,12 @@ impl World {
             let body = self.engine.bodies.get_mut(part.body).expect("parts stay");
             body.reset_forces(false);
             body.reset_torques(false);
+            let lever = self.settings.rolling_resistance * part.shape.rounding();
+            if lever > 0.0
+                && let Some(pair) = self.engine.narrow_phase.contact_pair(self.ground, part.collider)
+            {
+                part.brake(body, lever * f64::from(pair.total_impulse_magnitude()));
+            }
         }
     }
 
@@ -269,6 +274,21 @@ impl World {
     }
 }
 
+impl Part {
+    /// Takes angular momentum, N·m·s, out of the spin, along its axis: no more than stops that. It never adds energy.
+    fn brake(&self, body: &mut RigidBody, momentum: f64) {
+        let spin = double(body.angvel());
+        let Some(axis) = spin.try_normalize() else {
+            return;
+        };
+        let rotation = quaternion(*body.rotation());
+        let local = rotation.inverse() * axis;
+        let give = (local * local / self.inertia).element_sum();
+        let taken = momentum.min(spin.length() / give);
+        body.set_angvel(vector(spin - rotation * (local / self.inertia) * taken), false);
+    }
+}
+
 /// A world of its own that goes on to the same bits. What the engine's pipelines hold is of use within a step
 /// alone, but for the parts that the last step took out of the world: do not clone what is not finite.
 impl Clone for World {
@@ -328,4 +348,8 @@ fn vector(v: DVec3) -> Vector {
 
 fn double(v: Vector) -> DVec3 {
     DVec3::new(v.x.into(), v.y.into(), v.z.into())
+}
+
+fn quaternion(r: Rotation) -> DQuat {
+    DQuat::from_xyzw(r.x.into(), r.y.into(), r.z.into(), r.w.into())
 }
