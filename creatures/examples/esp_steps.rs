@@ -69,9 +69,10 @@ fn live(body: &Phenotype, physics: Physics, period: usize) -> Life {
     life
 }
 
-/// How far a slack body creeps in 10 s, once it has lain down, m (E-23); without end if it never does.
+/// How far a slack body creeps in 10 s, once it has lain down, m (E-23); nothing of one that does not come to rest
+/// (E-20), which counts as a fault.
 fn creep(body: &Phenotype, physics: Physics) -> f64 {
-    let Ok(mut creature) = Creature::spawn(body, physics, Start::Rest) else { return f64::INFINITY };
+    let Ok(mut creature) = Creature::spawn(body, physics, Start::Rest) else { return 0.0 };
     let slack = vec![0.0; body.muscles.len()];
     (0..240).for_each(|_| creature.step(&slack).expect("it lies down"));
     let before = creature.state().centre;
