@@ -24,9 +24,10 @@ doc: ## Build the documentation of the code, broken links being errors
 run: ## Evolve the quick start: crawlers under gene regulatory networks
 	cargo run --release -- run experiments/quickstart.toml
 
-bench: ## Measure engine, evaluation, dispatch and lineage, each against its peer in one run
+bench: ## Measure engine, evaluation, dispatch and lineage, each against its peer in one run, and a flyer's step
 	cargo build --release --bins --workspace
 	for bench in engine evaluation dispatch lineage; do target/release/$$bench || exit 1; done
+	cargo run --release -p creatures --example flyer_rates
 
 streams: ## Attach up to 10,000 workers to one coordinator, and measure what each costs
 	cargo build --release --bins --workspace
@@ -40,7 +41,9 @@ fuzz: ## Bring a million mutations to every decoder
 
 peers: $(PEERS)/installed ## Measure MuJoCo, a Python process pool and Ray under the same loads
 	$(PEERS)/bin/python benches/peers/mujoco_walkers.py
-	cargo run --release -p creatures --example esp_steps -- bodies | $(PEERS)/bin/python benches/peers/mujoco_esp.py
+	cargo build --release -p creatures --example esp_steps --example flyer_rates
+	$(PEERS)/bin/python benches/peers/mujoco_esp.py target/release/examples/esp_steps
+	$(PEERS)/bin/python benches/peers/mujoco_flyers.py target/release/examples/flyer_rates
 	$(PEERS)/bin/python benches/peers/pool.py
 	$(PEERS)/bin/python benches/peers/ray_tasks.py
 

@@ -1,20 +1,21 @@
 """ESP creatures on MuJoCo: the same parts, hinges, muscles and open-loop activations, neighbours colliding, and the
-same 2400 steps of 1/240 s. It reads the bodies, one JSON line each, and prints one line a body: microseconds a
-step of 1/60 s, and how far it got.
+same 2400 steps of 1/240 s. It prints one JSON line a body: microseconds a step of 1/60 s of ours and of MuJoCo's,
+the ratio, and how far MuJoCo's got.
 
-    cargo run --release -p creatures --example esp_steps -- bodies | python benches/peers/mujoco_esp.py
+    python benches/peers/mujoco_esp.py target/release/examples/esp_steps
 
-It compares rates, not trajectories: MuJoCo's contacts are soft where ours are stiff (ESP E-22, E-25)."""
+The two take turns, so that a busy moment of the machine falls on both. A life is the same every time, and on either
+side the fastest of each of its steps over all lives counts, since others leave no whole life alone. It compares rates, not trajectories: MuJoCo's contacts are soft where ours are stiff (ESP E-22,
+E-25)."""
 
 import argparse
 import json
 import math
-import sys
+import subprocess
 import time
 
 import mujoco
 import numpy as np
-from mujoco import rollout
 
 SUBSTEPS, STEPS, HZ = 4, 600, 60
 BETA, SLACK, LIMIT = 0.02, 0.5, 2.0  # of a muscle (E-25)
@@ -65,41 +66,58 @@ def model(body, options):
     </mujoco>""")
 
 
-def measure(body, options, repeats):
-    m = model(body, options)
-    phases = STRIDES * np.arange(STEPS)[:, None] / HZ + 0.25 * np.arange(m.nu)[None, :]
-    held = 0.5 + 0.5 * np.sin(2 * math.pi * phases)
-    control = np.repeat(held, SUBSTEPS, axis=0)
-    data = mujoco.MjData(m)
-    start = np.empty(mujoco.mj_stateSize(m, mujoco.mjtState.mjSTATE_FULLPHYSICS))
-    mujoco.mj_getState(m, data, start, mujoco.mjtState.mjSTATE_FULLPHYSICS)
-    best = math.inf
-    for _ in range(repeats):
-        before = time.perf_counter()
-        states, _ = rollout.rollout(m, data, start[None, :], control[None, :, :])
-        best = min(best, time.perf_counter() - before)
-        # One call a step of the brain: what a controller in the loop would pay.
-        mujoco.mj_resetData(m, data)
-        before = time.perf_counter()
-        for row in held:
-            data.ctrl[:] = row
-            mujoco.mj_step(m, data, nstep=SUBSTEPS)
-        best = min(best, time.perf_counter() - before)
-    # A simulation that blows up is reset or ended early, and would look fast.
-    assert not any(warning.number for warning in data.warning), f"{body['name']} blew up"
-    assert np.isfinite(states).all()
-    return {
-        "bench": "esp", "engine": f"mujoco {mujoco.__version__}", "body": body["name"], "options": options,
-        "us_per_step": round(1e6 * best / STEPS, 2), "steps": STEPS,
-        "way_m": round(float(np.linalg.norm(data.body(1).xipos[:2])), 3),
-        "mass_kg": round(float(m.body_mass.sum()), 3),
-    }
+class Creature:
+    def __init__(self, body, options):
+        self.name, self.parts = body["name"], len(body["parts"])
+        self.model = model(body, options)
+        self.data = mujoco.MjData(self.model)
+        phases = STRIDES * np.arange(STEPS)[:, None] / HZ + 0.25 * np.arange(self.model.nu)[None, :]
+        self.held = 0.5 + 0.5 * np.sin(2 * math.pi * phases)
+        self.theirs, self.ours = np.full(STEPS, math.inf), {}
+
+    def live(self):
+        """A life, one call a step of the brain, as a controller would pay."""
+        mujoco.mj_resetData(self.model, self.data)
+        for step, row in enumerate(self.held):
+            self.data.ctrl[:] = row
+            before = time.perf_counter()
+            mujoco.mj_step(self.model, self.data, nstep=SUBSTEPS)
+            self.theirs[step] = min(self.theirs[step], time.perf_counter() - before)
+        # A simulation that blows up is reset or ended early, and would look fast.
+        assert not any(warning.number for warning in self.data.warning), f"{self.name} blew up"
+        assert np.isfinite(self.data.qpos).all(), f"{self.name} is nowhere"
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--repeats", type=int, default=5, help="the best of so many is reported")
+    parser.add_argument("ours", help="the built example esp_steps")
+    parser.add_argument("--passes", type=int, default=4, help="how often ours and MuJoCo's take turns")
+    parser.add_argument("--lives", type=int, default=5, help="lives of each body in a pass, as many as of ours")
     parser.add_argument("--options", default='solver="Newton"', help="attributes of MuJoCo's <option>")
     arguments = parser.parse_args()
-    for line in sys.stdin:
-        print(json.dumps(measure(json.loads(line), arguments.options, arguments.repeats)), flush=True)
+
+    def lines(mode):
+        output = subprocess.run([arguments.ours, mode], check=True, capture_output=True, text=True).stdout
+        return [json.loads(line) for line in output.splitlines()]
+
+    creatures = [Creature(body, arguments.options) for body in lines("bodies")]
+    for _ in range(arguments.passes):
+        for creature, rates in zip(creatures, lines("once"), strict=True):
+            assert creature.name == rates.pop("name")
+            creature.ours = {key: min(rate, creature.ours.get(key, math.inf)) for key, rate in rates.items()}
+        for _ in range(arguments.lives):
+            for creature in creatures:
+                creature.live()
+    for creature in creatures:
+        ours, theirs = creature.ours, 1e6 * creature.theirs.mean()
+        print(json.dumps({
+            "bench": "esp", "engine": f"mujoco {mujoco.__version__}", "options": arguments.options,
+            "body": creature.name, "parts": creature.parts, "us_per_step": round(theirs, 1),
+            **{f"ours_{key}_us_per_step": round(rate, 1) for key, rate in ours.items()},
+            "times_mujoco": round(theirs / ours["open"], 2),
+            "times_mujoco_with_brain": round(theirs / ours["whole"], 2),
+            "brain_share": round(ours["mind"] / ours["whole"], 3),
+            "trials_per_second": round(1e6 / (ours["whole"] * STEPS), 1),
+            "way_m": round(float(np.linalg.norm(creature.data.body(1).xipos[:2])), 3),
+            "mass_kg": round(float(creature.model.body_mass.sum()), 3),
+        }), flush=True)

@@ -3,7 +3,8 @@
 //!
 //! `cargo run --release -p creatures --example esp_steps`
 //!
-//! With the argument `bodies` it prints those that it times, for `benches/peers/mujoco_esp.py`.
+//! With the argument `bodies` it prints those that it times, one JSON line each, and with `once` the rates of one
+//! pass over them, both for `benches/peers/mujoco_esp.py`.
 
 #![allow(clippy::disallowed_types, reason = "an example that measures needs a clock")]
 
@@ -25,6 +26,8 @@ use std::time::Instant;
 
 /// Brain steps of a life: 10 s.
 const STEPS: usize = 600;
+/// Lives of each body in which rates are measured.
+const LIVES: usize = 5;
 
 /// What one life came to.
 #[derive(Debug, Default, Clone, Copy)]
@@ -66,9 +69,10 @@ fn live(body: &Phenotype, physics: Physics, period: usize) -> Life {
     life
 }
 
-/// How far a slack body creeps in 10 s, once it has lain down, m (E-23).
+/// How far a slack body creeps in 10 s, once it has lain down, m (E-23); nothing of one that does not come to rest
+/// (E-20), which counts as a fault.
 fn creep(body: &Phenotype, physics: Physics) -> f64 {
-    let mut creature = Creature::spawn(body, physics, Start::Rest).expect("it settles");
+    let Ok(mut creature) = Creature::spawn(body, physics, Start::Rest) else { return 0.0 };
     let slack = vec![0.0; body.muscles.len()];
     (0..240).for_each(|_| creature.step(&slack).expect("it lies down"));
     let before = creature.state().centre;
@@ -94,12 +98,13 @@ fn bodies() -> Vec<(&'static str, Phenotype)> {
     bodies.map(|(name, body)| (name, develop(&body))).into()
 }
 
-/// Those that are timed: 4, 9 and 16 parts.
+/// Those that are timed: 4, 9 and 16 parts. With its middle legs right in the middle the last does not come to rest
+/// within its time (E-20).
 fn timed() -> [(&'static str, Body); 3] {
     [
         ("tail", sample::body(&[], true)),
         ("quadruped", sample::quadruped_body()),
-        ("hexapod", sample::body(&[FRONT, 0.0, -FRONT], true)),
+        ("hexapod", sample::body(&[FRONT, -0.02, -FRONT], true)),
     ]
 }
 
@@ -146,69 +151,118 @@ fn syllabus() -> Syllabus {
     serde_json::from_value::<SyllabusTable>(skill).expect("it is a table").check().expect("it is legal")
 }
 
-/// Microseconds a step of the best of five lives with oscillating muscles, with a brain or the same open loop, and
-/// with so many lights.
-fn cost(genotype: &Genotype, brain: bool, lights: usize) -> f64 {
-    let body = develop(&genotype.body);
+/// Seconds of each step of a life with oscillating muscles under the same open loop, or with a brain and so many
+/// lights; and of that what the brain and the senses take.
+fn driven(genotype: &Genotype, body: &Phenotype, lights: Option<usize>) -> [Vec<f64>; 2] {
     let forced = [Forced { skill: SkillId(0), sigma: 1.0 }];
-    let lights = &[Light { position: DVec3::new(5.0, 1.0, 0.3), strength: 0.3 }; 3][..lights];
-    let time = || {
-        let mut creature = Creature::spawn(&body, Physics::default(), Start::Rest).expect("it settles");
-        let mut circuit = Circuit::new(&genotype.brain, &body.instances(), &syllabus(), &forced);
-        let mut activations = vec![0.0; body.muscles.len()];
-        let start = Instant::now();
-        for step in 0..STEPS {
-            if brain {
-                creature.feel(circuit.lengths_mut());
-                creature.see(lights, circuit.photos_mut());
-                activations.copy_from_slice(circuit.tick());
-            } else {
-                for (muscle, activation) in activations.iter_mut().enumerate() {
-                    let strides = 1.5 / 60.0 * step as f64 + 0.25 * muscle as f64;
-                    *activation = 0.5 + 0.5 * sin(TAU * strides);
-                }
-            }
-            creature.step(&activations).expect("it lives");
-        }
-        start.elapsed().as_secs_f64() / STEPS as f64 * 1e6
-    };
-    (0..5).map(|_| time()).fold(f64::INFINITY, f64::min)
-}
-
-/// Microseconds of the engine alone: the same parts and joints, slack, four steps at a time. Beside it the same
-/// with our face, state and checks.
-fn bare(body: &Phenotype) -> (f64, f64) {
-    let time = |alone: bool| {
-        let slack = vec![0.0; body.muscles.len()];
-        let mut creature = Creature::spawn(body, Physics::default(), Start::Rest).expect("it settles");
-        let start = Instant::now();
-        for _ in 0..STEPS {
-            if alone {
-                (0..Physics::default().substeps).for_each(|_| creature.world_mut().step());
-            } else {
-                creature.step(&slack).expect("it lies there");
+    let seen = &[Light { position: DVec3::new(5.0, 1.0, 0.3), strength: 0.3 }; 3][..lights.unwrap_or(0)];
+    let mut creature = Creature::spawn(body, Physics::default(), Start::Rest).expect("it settles");
+    let mut circuit = Circuit::new(&genotype.brain, &body.instances(), &syllabus(), &forced);
+    let mut activations = vec![0.0; body.muscles.len()];
+    let (mut times, mut minding) = (Vec::with_capacity(STEPS), Vec::with_capacity(STEPS));
+    for step in 0..STEPS {
+        let begun = Instant::now();
+        if lights.is_some() {
+            creature.feel(circuit.lengths_mut());
+            creature.see(seen, circuit.photos_mut());
+            activations.copy_from_slice(circuit.tick());
+        } else {
+            for (muscle, activation) in activations.iter_mut().enumerate() {
+                let strides = 1.5 / 60.0 * step as f64 + 0.25 * muscle as f64;
+                *activation = 0.5 + 0.5 * sin(TAU * strides);
             }
         }
-        start.elapsed().as_secs_f64() / STEPS as f64 * 1e6
-    };
-    let best = |alone| (0..5).map(|_| time(alone)).fold(f64::INFINITY, f64::min);
-    (best(true), best(false))
+        minding.push(begun.elapsed().as_secs_f64());
+        creature.step(&activations).expect("it lives");
+        times.push(begun.elapsed().as_secs_f64());
+    }
+    [times, minding]
 }
 
-fn rates() {
-    println!(
-        "\nµs a step | parts | engine slack | ours slack | open loop | with brain | and 3 lights | trials of 10 s a second"
-    );
-    for (name, body) in timed() {
+/// Seconds of each step of a slack life: of the engine alone, four steps at a time, or with our face, state and
+/// checks.
+fn slack(body: &Phenotype, alone: bool) -> [Vec<f64>; 1] {
+    let slack = vec![0.0; body.muscles.len()];
+    let mut creature = Creature::spawn(body, Physics::default(), Start::Rest).expect("it settles");
+    let times = (0..STEPS).map(|_| {
+        let begun = Instant::now();
+        if alone {
+            (0..Physics::default().substeps).for_each(|_| creature.world_mut().step());
+        } else {
+            creature.step(&slack).expect("it lies there");
+        }
+        begun.elapsed().as_secs_f64()
+    });
+    [times.collect()]
+}
+
+/// Microseconds a step. A life is the same every time, and of each of its steps the fastest of some lives counts:
+/// others are at work on the machine, and leave no whole life alone.
+fn fastest<const N: usize>(live: impl Fn() -> [Vec<f64>; N]) -> [f64; N] {
+    let best = (1..LIVES).fold(live(), |mut best, _| {
+        for (best, found) in best.iter_mut().flatten().zip(live().iter().flatten()) {
+            *best = best.min(*found);
+        }
+        best
+    });
+    best.map(|times| times.iter().sum::<f64>() / STEPS as f64 * 1e6)
+}
+
+/// Microseconds a step of a body, each in lives of its own.
+#[derive(Debug, Clone, Copy)]
+struct Rates {
+    /// Of the engine alone, slack.
+    engine: f64,
+    /// Of the whole, slack.
+    slack: f64,
+    /// Of the whole, its muscles driven by an open loop.
+    open: f64,
+    /// Of the whole, with a brain that sees three lights.
+    whole: f64,
+    /// Of that, brain and senses.
+    mind: f64,
+}
+
+impl Rates {
+    fn of(genotype: &Genotype, body: &Phenotype) -> Rates {
+        let [engine] = fastest(|| slack(body, true));
+        let [slack] = fastest(|| slack(body, false));
+        let [open, _] = fastest(|| driven(genotype, body, None));
+        let [whole, mind] = fastest(|| driven(genotype, body, Some(3)));
+        Rates { engine, slack, open, whole, mind }
+    }
+}
+
+/// Those that are timed, with their brains and their rates.
+fn rates() -> impl Iterator<Item = (&'static str, Phenotype, Rates)> {
+    timed().into_iter().map(|(name, body)| {
         let genotype = sample::walking(body);
         let body = develop(&genotype.body);
-        let (alone, slack) = bare(&body);
-        let [open, brain, seeing] = [(false, 0), (true, 0), (true, 3)].map(|(b, l)| cost(&genotype, b, l));
+        let rates = Rates::of(&genotype, &body);
+        (name, body, rates)
+    })
+}
+
+fn print_table_of_rates() {
+    println!(
+        "\nµs a step | parts | engine slack | ours slack | open loop | with brain, 3 lights | of it brain and senses | trials of 10 s a second"
+    );
+    for (name, body, Rates { engine, slack, open, whole, mind }) in rates() {
         println!(
-            "{name:9} | {:5} | {alone:12.1} | {slack:10.1} | {open:9.1} | {brain:10.1} | {seeing:12.1} | {:.1}",
+            "{name:9} | {:5} | {engine:12.1} | {slack:10.1} | {open:9.1} | {whole:20.1} | {mind:22.1} | {:.1}",
             body.parts.len(),
-            1e6 / (seeing * STEPS as f64)
+            1e6 / (whole * STEPS as f64)
         );
+    }
+}
+
+/// One JSON line a body.
+fn print_rates() {
+    for (name, _, Rates { engine, slack, open, whole, mind }) in rates() {
+        let rates = json!({
+            "name": name, "engine": engine, "slack": slack, "open": open, "whole": whole, "mind": mind,
+        });
+        println!("{rates}");
     }
 }
 
@@ -248,9 +302,12 @@ fn print_bodies() {
 }
 
 fn main() {
-    if std::env::args().nth(1).as_deref() == Some("bodies") {
-        return print_bodies();
+    match std::env::args().nth(1).as_deref() {
+        Some("bodies") => print_bodies(),
+        Some("once") => print_rates(),
+        _ => {
+            table();
+            print_table_of_rates();
+        }
     }
-    table();
-    rates();
 }

@@ -238,9 +238,11 @@ fn links_of_the_documents_lead_somewhere() {
     assert!(broken.is_empty(), "{}", broken.join("\n"));
 }
 
+/// Systems whose pages are held to their specifications' numbers: requirements, analytic tests, failure inputs.
+const REQUIRED: [(&str, char, [u32; 3]); 2] = [("walkers", 'G', [77, 20, 23]), ("flyers", 'F', [73, 23, 16])];
+
 #[test]
-fn every_requirement_of_the_walkers_is_documented_and_cited_where_it_is_met() {
-    let documented = citations(&read(&workspace().join("docs/systems/walkers.md")));
+fn every_requirement_is_documented_and_cited_where_it_is_met() {
     let mut cited = BTreeSet::new();
     for folder in ["creatures", "search", "cli", "coordinator", "tests", "benches", "experiments"] {
         for extension in ["rs", "toml"] {
@@ -249,11 +251,14 @@ fn every_requirement_of_the_walkers_is_documented_and_cited_where_it_is_met() {
             }
         }
     }
-    let required =
-        (1..=77).map(|n| ('G', n)).chain((1..=20).map(|n| ('T', n))).chain((1..=23).map(|n| ('X', n)));
-    for (letter, number) in required {
-        assert!(documented.contains(&(letter, number)), "docs/systems/walkers.md lacks {letter}-{number}");
-        assert!(cited.contains(&(letter, number)), "{letter}-{number} is cited nowhere in the code");
+    for (system, letter, [requirements, tests, failures]) in REQUIRED {
+        let page = format!("docs/systems/{system}.md");
+        let documented = citations(&read(&workspace().join(&page)));
+        let required = [(letter, requirements), ('T', tests), ('X', failures)];
+        for (letter, number) in required.into_iter().flat_map(|(l, most)| (1..=most).map(move |n| (l, n))) {
+            assert!(documented.contains(&(letter, number)), "{page} lacks {letter}-{number}");
+            assert!(cited.contains(&(letter, number)), "{letter}-{number} is cited nowhere in the code");
+        }
     }
 }
 
@@ -345,7 +350,7 @@ fn citations(text: &str) -> BTreeSet<(char, u32)> {
     let mut found = BTreeSet::new();
     let mut rest = text;
     let mut before = ' ';
-    while let Some(at) = rest.find(['G', 'T', 'X']) {
+    while let Some(at) = rest.find(['F', 'G', 'T', 'X']) {
         let letter = rest[at..].chars().next().unwrap();
         if at > 0 {
             before = rest[..at].chars().next_back().unwrap();
@@ -374,7 +379,8 @@ fn number(text: Option<&str>) -> Option<(u32, &str)> {
 
 #[test]
 fn citations_are_found_alone_and_in_ranges() {
-    let found = citations("G-12, (X-5) walker T-1..T-3 G-63..65 AG-9 G-x");
-    let expected = [('G', 12), ('G', 63), ('G', 64), ('G', 65), ('T', 1), ('T', 2), ('T', 3), ('X', 5)];
+    let found = citations("G-12, (X-5) walker T-1..T-3 G-63..65 flyer F-7 EF-8 AG-9 G-x");
+    let expected =
+        [('F', 7), ('G', 12), ('G', 63), ('G', 64), ('G', 65), ('T', 1), ('T', 2), ('T', 3), ('X', 5)];
     assert_eq!(found, BTreeSet::from(expected));
 }

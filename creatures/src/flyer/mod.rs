@@ -1,5 +1,5 @@
 //! Flyers: double-winged creatures whose bodies and brains evolve together in the air (Shim and Kim 2003).
-//! What is true of one creature is here; what needs a population is not.
+//! What is true of one creature is here; what needs a population is not. Units are SI, angles in radians (F-1).
 //!
 //! Read [`genotype`] for what is inherited, [`variation`] for how it changes, [`skeleton`], [`film`] and
 //! [`phenotype`] for the body that it becomes, [`aerodynamics`] for the air, [`sensors`], [`function`] and

@@ -157,6 +157,12 @@ impl Phenotype {
     /// # Errors
     /// The world has left the numbers.
     pub fn step(&mut self) -> Result<(), StepFault> {
+        self.blow();
+        self.advance()
+    }
+
+    /// Lets the air act on every limb during the next [`Phenotype::advance`]: the first half of a step.
+    pub fn blow(&mut self) {
         for limb in &self.limbs {
             let axes = self.world.rotation(limb.body);
             let to_limb = axes.transpose();
@@ -170,6 +176,13 @@ impl Phenotype {
             }
             self.world.push(limb.body, axes * wrench.force, axes * wrench.torque);
         }
+    }
+
+    /// Moves the body: the second half of a step.
+    ///
+    /// # Errors
+    /// As [`Phenotype::step`].
+    pub fn advance(&mut self) -> Result<(), StepFault> {
         self.world.step(self.dt)
     }
 

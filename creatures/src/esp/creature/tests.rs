@@ -175,7 +175,9 @@ fn a_roll_from_the_spawn_does_not_score() {
         creature.settle().map(|()| creature)
     };
     let fault = roll(1.0).err().unwrap();
-    assert!(matches!(fault, Fault { kind: FaultKind::Unsettled(speed), step: 120, settled: false } if speed > 0.05));
+    assert!(
+        matches!(fault, Fault { kind: FaultKind::Unsettled(speed), step: 120, settled: false } if speed > 0.05)
+    );
     assert_eq!(fault.kind.reason().word(), "unsettled");
     let mut slow = roll(0.03).unwrap();
     let place = slow.state.centre;

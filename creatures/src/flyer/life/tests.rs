@@ -43,7 +43,7 @@ fn flier(task: &FlyerTask) -> (Genotype, Outcome) {
         .expect("one of many founders gets through its first quarter")
 }
 
-/// F-68, F-70; the same bits twice (F-5).
+/// F-68, F-70; the same bits twice, and whatever the seed is (F-5, F-67).
 #[test]
 fn an_evaluation_is_a_pure_function_with_every_measure() {
     let task = FlyerTask { steps: 200, ..FlyerTask::default() };
