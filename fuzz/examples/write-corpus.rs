@@ -4,6 +4,7 @@
 use creatures::{Cull, Interim, Outcome, Status};
 use hatchery_fuzz::tasks;
 use prost::Message as _;
+use proto::join::{KEY_SIZE, Kind, Pass, SECRET_SIZE, Token, TokenId};
 use proto::v1::{self, coordinator_message, report::What, worker_message};
 use std::path::Path;
 
@@ -28,6 +29,7 @@ fn main() {
     }
     write("experiment", "override", b"!search.population=4\n!seed=7\nname = \"p\"\nsystem = \"probe\"\n");
     messages();
+    tokens();
     for (name, text) in [
         ("sum", "min(3, 1, 2) + max(1, 4)"),
         ("quotient", "first(up_z) / (last(up_z) - 2)"),
@@ -37,6 +39,19 @@ fn main() {
     }
     let skills = include_str!("../../creatures/src/esp/syllabus/ten_skills.json");
     write("syllabus", "ten_skills", skills.as_bytes());
+}
+
+/// Of an authority that never was.
+fn tokens() {
+    let pass = |kind, id| Pass { kind, id, secret: [0x5a; SECRET_SIZE], authority: [4; KEY_SIZE] };
+    let worker = Token { address: "head.example:7878".to_owned(), pass: pass(Kind::Worker, TokenId(7)) };
+    let client = Token { address: "[::1]:9".to_owned(), pass: pass(Kind::Client, TokenId(u64::MAX)) };
+    write("token", "worker", worker.to_string().as_bytes());
+    write("token", "client", client.to_string().as_bytes());
+    write("token", "slash", worker.to_string().replace('#', "/#").as_bytes());
+    write("token", "pass", client.pass.to_string().as_bytes());
+    write("token", "id", worker.pass.id.to_string().as_bytes());
+    write("token", "plus", b"+00000000000000f");
 }
 
 fn messages() {

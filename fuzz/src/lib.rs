@@ -5,18 +5,20 @@
 mod experiment;
 mod genotype;
 mod syllabus;
+mod token;
 mod wire;
 
 pub use experiment::{experiment, task};
 pub use genotype::{genotype, life, tasks};
 pub use syllabus::{expression, syllabus};
+pub use token::token;
 pub use wire::{coordinator_message, worker_message};
 
 /// A body.
 pub type Target = fn(&[u8]);
 
 /// Every body, by the name of its corpus.
-pub const TARGETS: [(&str, Target); 8] = [
+pub const TARGETS: [(&str, Target); 9] = [
     ("coordinator_message", coordinator_message),
     ("experiment", experiment),
     ("expression", expression),
@@ -24,6 +26,7 @@ pub const TARGETS: [(&str, Target); 8] = [
     ("life", life),
     ("syllabus", syllabus),
     ("task", task),
+    ("token", token),
     ("worker_message", worker_message),
 ];
 

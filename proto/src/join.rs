@@ -64,7 +64,8 @@ impl FromStr for TokenId {
     type Err = TokenError;
 
     fn from_str(text: &str) -> Result<Self, TokenError> {
-        let digits = Some(text).filter(|text| text.len() == 16);
+        // A sign before them would be a number too.
+        let digits = Some(text).filter(|text| text.len() == 16 && !text.starts_with('+'));
         let id = digits.and_then(|digits| u64::from_str_radix(digits, 16).ok());
         id.map(TokenId).ok_or_else(|| TokenError::Id { found: text.to_owned() })
     }
@@ -270,6 +271,14 @@ mod tests {
     #[test]
     fn nobody_prints_a_secret_by_mistake() {
         assert_eq!(format!("{:?}", token().pass), "Pass(worker 0000000000000007)");
+    }
+
+    #[test]
+    fn a_token_s_id_is_digits_and_nothing_else() {
+        assert_eq!("00000000000000ff".parse::<TokenId>().unwrap(), TokenId(255));
+        for text in ["+0000000000000ff", "ff", "00000000000000fg", ""] {
+            assert!(text.parse::<TokenId>().is_err(), "{text}");
+        }
     }
 
     proptest! {

@@ -406,9 +406,11 @@ impl Session {
                 }
             }
         }
-        slots.offer(evaluations);
         if self.draining {
-            self.give_back(slots.withdraw()); // it had been sent before the drain was read
+            // It had been sent before the drain was read. Nothing of it begins.
+            self.give_back(evaluations.into_iter().map(|evaluation| evaluation.attempt).collect());
+        } else {
+            slots.offer(evaluations);
         }
         Ok(())
     }

@@ -6,6 +6,7 @@
 //! queue        what is ready, and its fair share        worker   windows and leases of one worker
 //! entry        the attempts at one open evaluation      ruling   the culling rule, as it counts
 //! hand_out     ready evaluations to free workers, suspects alone, stragglers twice
+//! attendance   workers come, go, and fall silent
 //! settle       what becomes of an evaluation when a report comes or a worker goes
 //! audit        second opinions, and what becomes of a worker that is contradicted
 //! ```
@@ -20,6 +21,7 @@
 //! it gets a worker for itself alone, and the third strike falls only there, where no neighbour can have been
 //! the cause. A failure that a worker lived to report is a strike as well, and is certain at once.
 
+mod attendance;
 mod audit;
 mod entry;
 mod evaluation;
@@ -29,6 +31,7 @@ mod ruling;
 mod settle;
 mod worker;
 
+pub use attendance::{Loss, NameTaken};
 pub use audit::Quarantine;
 pub use entry::ATTEMPTS_KEPT;
 pub use evaluation::{Assignment, AttemptId, Conflict, Evaluation, News, Report, Settled, TaskText};
@@ -65,56 +68,6 @@ pub struct Limits {
     /// not show it.
     pub overdue_ms: u64,
 }
-
-/// Why a worker is attached no more.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Loss {
-    /// It hung up.
-    Left,
-    /// Its stream broke.
-    Broke,
-    /// It was silent for too long.
-    Silent,
-    /// An evaluation ran for too long.
-    Overdue,
-    /// It attached anew.
-    Replaced,
-    /// It does not take what it is sent.
-    Stalled,
-    /// It broke the protocol.
-    Misspoke,
-    /// Its token is good no more.
-    Expelled,
-}
-
-impl Loss {
-    /// Of attempts whose worker is trusted no more, and stays attached.
-    const QUARANTINED: &str = "worker quarantined";
-
-    /// In the lineage.
-    pub fn word(self) -> &'static str {
-        match self {
-            Loss::Left => "left",
-            Loss::Broke => "stream broke",
-            Loss::Silent => "silent",
-            Loss::Overdue => "overdue",
-            Loss::Replaced => "attached anew",
-            Loss::Stalled => "took no messages",
-            Loss::Misspoke => "broke the protocol",
-            Loss::Expelled => "its token ended",
-        }
-    }
-
-    /// Whether what it ran may have been the cause.
-    fn is_suspicious(self) -> bool {
-        matches!(self, Loss::Broke | Loss::Silent | Loss::Replaced)
-    }
-}
-
-/// A worker of that name is attached and alive.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("a worker of the name `{0}` is attached")]
-pub struct NameTaken(pub String);
 
 /// What the scheduler wants done.
 #[derive(Debug)]
@@ -166,9 +119,6 @@ pub struct Summary {
     /// Those of them on which workers differ, and which another one must decide.
     pub disputed: u64,
 }
-
-/// Workers that went are remembered for their counts, so many of them.
-const GONE_REMEMBERED: usize = 256;
 
 /// The state of everything that is under evaluation.
 #[derive(Debug)]
@@ -286,123 +236,6 @@ impl Scheduler {
         self.remembered.retain(|one| one.queue != queue);
     }
 
-    /// Attaches a worker. Leases that it holds from before are restored; what it holds in vain is revoked.
-    ///
-    /// # Errors
-    /// A worker of that name is attached and was heard of within two heartbeats.
-    pub fn attach(&mut self, hello: Hello, now: Millis) -> Result<WorkerId, NameTaken> {
-        if let Some(&old) = self.names.get(&*hello.name) {
-            if now.since(self.workers[&old].heard) <= 2 * self.limits.heartbeat_ms {
-                return Err(NameTaken(hello.name));
-            }
-            self.dismiss(old, Loss::Replaced, now);
-        }
-        let id = WorkerId(self.worker_next);
-        self.worker_next += 1;
-        let holding = hello.holding.clone();
-        let mut worker = Worker::new(id, hello, now);
-        worker.quarantined = self.quarantined.contains(&worker.name);
-        if let Some(at) = self.gone.iter().position(|gone| gone.name == *worker.name)
-            && let Some(gone) = self.gone.remove(at)
-        {
-            (worker.completed, worker.lost, worker.busy_seconds) =
-                (gone.completed, gone.lost, gone.busy_seconds);
-        }
-        self.names.insert(worker.name.clone(), id);
-        self.workers.insert(id, worker);
-        for attempt in holding {
-            self.restore(id, attempt, now);
-        }
-        self.file_worker(id);
-        Ok(id)
-    }
-
-    /// A worker gave a sign of life.
-    pub fn heard(&mut self, worker: WorkerId, now: Millis) {
-        if let Some(worker) = self.workers.get_mut(&worker) {
-            worker.heard = now;
-        }
-    }
-
-    /// A worker takes so many evaluations at once from now on.
-    pub fn window(&mut self, worker: WorkerId, evaluations: u32) {
-        if let Some(state) = self.workers.get_mut(&worker) {
-            state.window = evaluations.max(1);
-            self.file_worker(worker);
-        }
-    }
-
-    /// A worker takes nothing new and gives back what it has not begun.
-    pub fn drain(&mut self, worker: WorkerId, returned: &[AttemptId], now: Millis) {
-        let Some(state) = self.workers.get_mut(&worker) else { return };
-        state.draining = true;
-        let name = state.name.clone();
-        if let Some(suspect) = state.reserved
-            && let Some(awaited @ Some(_)) = self.suspects.get_mut(&suspect)
-        {
-            *awaited = None;
-            state.reserved = None;
-        }
-        self.file_worker(worker);
-        for attempt in returned {
-            self.give_back(&name, *attempt, now);
-        }
-    }
-
-    /// A worker is attached no more. Its leases are void, and what it may have been running gets a strike if
-    /// that may have been the cause. Gives the number of leases that ended so.
-    pub fn lose(&mut self, worker: WorkerId, loss: Loss, now: Millis) -> u64 {
-        let Some(state) = self.workers.remove(&worker) else { return 0 };
-        let lost_before = state.lost;
-        if let Some(load) = state.filed {
-            self.free.remove(&(load, worker));
-        }
-        self.names.remove(&state.name);
-        self.told.remove(&worker);
-        if let Some(awaited) = state.reserved.and_then(|suspect| self.suspects.get_mut(&suspect)) {
-            *awaited = None;
-        }
-        let mut info = state.info();
-        for lease in state.leases() {
-            let is_cause = match loss {
-                Loss::Overdue => lease.begun.is_some_and(|begun| now.since(begun) > self.limits.overdue_ms),
-                _ => loss.is_suspicious() && lease.begun.is_some(),
-            };
-            info.lost += 1;
-            self.void(lease.attempt, loss, is_cause, now);
-        }
-        if self.gone.len() == GONE_REMEMBERED {
-            self.gone.pop_front();
-        }
-        let lost = info.lost - lost_before;
-        let state = if state.quarantined { WorkerState::Quarantined } else { WorkerState::Gone };
-        self.gone.push_back(WorkerInfo { state, in_flight: 0, ..info });
-        lost
-    }
-
-    /// Lets time pass: workers that were silent for too long, or run one evaluation for too long, are lost.
-    ///
-    /// Silence counts only while somebody listened: when this is called after a longer pause than a heartbeat
-    /// (the process was stopped, the machine slept), workers get the pause back.
-    pub fn advance(&mut self, now: Millis) {
-        let pause = now.since(self.advanced).saturating_sub(self.limits.heartbeat_ms);
-        self.advanced = now;
-        let mut losses = Vec::new();
-        for worker in self.workers.values_mut() {
-            worker.heard.0 = (worker.heard.0 + pause).min(now.0);
-            let is_overdue =
-                |lease: &worker::Lease| lease.begun.is_some_and(|b| now.since(b) > self.limits.overdue_ms);
-            if now.since(worker.heard) > self.limits.timeout_ms {
-                losses.push((worker.id, Loss::Silent));
-            } else if worker.leases().any(is_overdue) {
-                losses.push((worker.id, Loss::Overdue));
-            }
-        }
-        for (worker, loss) in losses {
-            self.dismiss(worker, loss, now);
-        }
-    }
-
     /// Hands out nothing more, for good.
     pub fn stop(&mut self) {
         self.stopped = true;
@@ -453,12 +286,6 @@ impl Scheduler {
             ready: (self.suspects.len() + self.awaiting.len()) as u64
                 + self.queues.values().map(|queue| queue.ready.len() as u64).sum::<u64>(),
         }
-    }
-
-    /// Loses a worker on this side's account.
-    fn dismiss(&mut self, worker: WorkerId, loss: Loss, now: Millis) {
-        let leases = self.lose(worker, loss, now);
-        self.dismissed.push((worker, loss, leases));
     }
 
     /// Puts a worker where its load and window say.

@@ -28,6 +28,7 @@ fn op() -> impl Strategy<Value = Op> {
         1 => name().prop_map(Op::Silence),
         1 => (name(), 1..6u32).prop_map(|(name, window)| Op::Window(name, window)),
         1 => name().prop_map(Op::Drain),
+        1 => name().prop_map(Op::DrainIdle),
         4 => (1..3 * HEARTBEAT).prop_map(Op::Advance),
         1 => (1..3 * TIMEOUT).prop_map(Op::Jump),
     ]

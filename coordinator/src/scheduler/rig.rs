@@ -48,6 +48,8 @@ pub(super) enum Op {
     Window(char, u32),
     /// A worker gives back what it has not begun.
     Drain(char),
+    /// A worker that has received nothing yet says that it drains.
+    DrainIdle(char),
     /// Time passes, with heartbeats.
     Advance(u64),
     /// Time passes at once: nobody was listening.
@@ -194,6 +196,11 @@ impl Rig {
                 }
             }
             Op::Drain(name) => self.drain(name),
+            Op::DrainIdle(name) => {
+                if let Some(id) = self.hands.get(&name).and_then(|hand| hand.id) {
+                    self.scheduler.drain(id, &[], self.now);
+                }
+            }
             Op::Advance(time) => {
                 for _ in 0..time / HEARTBEAT {
                     self.now.0 += HEARTBEAT;

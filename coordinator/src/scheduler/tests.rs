@@ -328,6 +328,25 @@ fn a_draining_worker_finishes_what_it_runs_and_gives_the_rest_back() {
 }
 
 #[test]
+fn what_crossed_the_word_of_a_drain_is_given_back_by_hanging_up() {
+    let rig = Rig::new().run(&[
+        Join(A),
+        Submit(0, 2), // on its way to A, which is idle and leaves
+        DrainIdle(A),
+        Leave(A),
+        Join(B),
+        Report(B, 0),
+        Report(B, 1),
+        Settled(&[0, 1]),
+    ]);
+    for evaluation in [0, 1] {
+        assert_eq!(fates(&rig, evaluation), [fate(1, A, "lost:returned"), fate(2, B, "counted")]);
+    }
+    let gone = rig.scheduler.workers().into_iter().find(|worker| worker.name == "A").unwrap();
+    assert_eq!((gone.state, gone.lost), (WorkerState::Gone, 0));
+}
+
+#[test]
 fn a_name_is_taken_while_its_worker_is_alive() {
     let mut rig = Rig::new().run(&[Join(A), Submit(0, 1)]);
     let hello = Hello {
