@@ -2,6 +2,7 @@
 //! are in `benches/peers/`.
 
 pub mod commands;
+pub mod load;
 pub mod pedigree;
 pub mod processes;
 pub mod rapier;

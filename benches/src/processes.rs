@@ -20,8 +20,20 @@ pub fn processor_seconds(id: u32) -> f64 {
 /// # Panics
 /// When there is no such process, or no `/proc`.
 pub fn resident_bytes(id: u32) -> u64 {
+    memory_bytes(id, "VmRSS:")
+}
+
+/// The most that it ever was, bytes.
+///
+/// # Panics
+/// When there is no such process, or no `/proc`.
+pub fn resident_bytes_most(id: u32) -> u64 {
+    memory_bytes(id, "VmHWM:")
+}
+
+fn memory_bytes(id: u32, field: &str) -> u64 {
     let status = std::fs::read_to_string(format!("/proc/{id}/status")).expect("the process runs, on Linux");
-    let line = status.lines().find(|line| line.starts_with("VmRSS:")).expect("a process has resident memory");
+    let line = status.lines().find(|line| line.starts_with(field)).expect("a process has resident memory");
     let kibibytes = line.split_whitespace().nth(1).expect("a number follows").parse::<u64>();
     kibibytes.expect("a number of KiB") * 1024
 }

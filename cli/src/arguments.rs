@@ -5,6 +5,7 @@ mod stages;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser};
+use coordinator::lineage::VIEWS;
 
 pub(crate) use stages::{Amend, Candidates, Fork, Pick};
 
@@ -413,26 +414,6 @@ pub(crate) struct Export {
     #[command(flatten)]
     pub(crate) ask: Ask,
 }
-
-/// The documented views of the lineage.
-const VIEWS: [&str; 16] = [
-    "v_experiments",
-    "v_stages",
-    "v_generations",
-    "v_individuals",
-    "v_parents",
-    "v_evaluations",
-    "v_culls",
-    "v_best",
-    "v_ancestors",
-    "v_species",
-    "v_workers",
-    "v_checkpoints",
-    "v_candidates",
-    "v_picks",
-    "v_audits",
-    "v_events",
-];
 
 const EXPORT_HELP: &str = "\
 Examples:

@@ -1,6 +1,9 @@
 //! The probe in disguise: workers with something wrong with them are real in all else, but for what becomes of the
 //! probe's tasks.
 
+use std::future::pending;
+use std::process::ExitCode;
+
 use creatures::probe::Probe;
 use creatures::{Proof, SpecError, System, Task};
 
@@ -34,5 +37,27 @@ impl System for Disguise {
 
     fn proofs(&self) -> Vec<Proof> {
         Probe.proofs()
+    }
+}
+
+/// A worker's whole life with something about it changed, as its program would live it but for signals.
+pub async fn work_otherwise(
+    arguments: worker::command::Arguments,
+    change: impl FnOnce(&mut worker::Config),
+) -> ExitCode {
+    let mut config = match arguments.config() {
+        Ok(config) => config,
+        Err(error) => {
+            eprintln!("{error}");
+            return ExitCode::from(2);
+        }
+    };
+    change(&mut config);
+    match worker::run(config, pending()).await {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
     }
 }

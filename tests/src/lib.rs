@@ -19,6 +19,6 @@ pub mod programs;
 pub mod samples;
 
 pub use client::Client;
-pub use disguise::Disguise;
+pub use disguise::{Disguise, work_otherwise};
 pub use hatchery::Hatchery;
 pub use process::Process;

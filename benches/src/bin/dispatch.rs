@@ -9,12 +9,11 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
 use creatures::{Nobody, System, Task, probe};
-use hatchery_benches::processes::processor_seconds;
+use hatchery_benches::load::{Load, PAYLOAD_BYTES, Taken};
 use hatchery_benches::report::Report;
 use hatchery_tests::Hatchery;
 use serde_json::{Value, json};
 
-const PAYLOAD_BYTES: u32 = 2048;
 const REPEATS: usize = 3;
 const ANY_BYTES: &str = "any bytes are a probe";
 
@@ -38,7 +37,8 @@ fn main() {
             let (mut bare, mut best) = (f64::INFINITY, None::<Taken>);
             for _ in 0..REPEATS {
                 bare = bare.min(bare_threads(work, workers, population * generations));
-                let taken = run(work, workers, population, generations);
+                let load = Load { work, population, generations };
+                let taken = load.run(&mut Hatchery::with_workers(workers), workers);
                 if best.as_ref().is_none_or(|best| taken.seconds < best.seconds) {
                     best = Some(taken);
                 }
@@ -71,38 +71,6 @@ fn main() {
         let alone = measure(5.0, 1, 200, 4, None);
         measure(5.0, 2, 200, 4, Some(alone));
     }
-}
-
-/// What one run took, seconds.
-struct Taken {
-    seconds: f64,
-    /// Of the processor.
-    coordinator: f64,
-    /// Of the processor, all workers together.
-    workers: f64,
-}
-
-fn run(work: u32, workers: usize, population: u32, generations: u32) -> Taken {
-    let mut hatchery = Hatchery::with_workers(workers);
-    hatchery.wait_attached(workers);
-    let names: Vec<String> = (1..=workers).map(|number| format!("w{number}")).collect();
-    let used = |hatchery: &mut Hatchery| {
-        let workers = names.iter().map(|name| processor_seconds(hatchery.worker(name).id())).sum::<f64>();
-        (processor_seconds(hatchery.coordinator().id()), workers)
-    };
-    let text = format!(
-        "name = 'dispatch'\nsystem = 'probe'\nseed = 1\n[task]\nwork = {work}\n[search]\nkind = 'probe'\n\
-         population = {population}\ngenerations = {generations}\npayload = {PAYLOAD_BYTES}\n"
-    );
-    let before = used(&mut hatchery);
-    let start = Instant::now();
-    let id = hatchery.submit(&text);
-    hatchery.client().wait(id);
-    let seconds = start.elapsed().as_secs_f64();
-    let after = used(&mut hatchery);
-    let committed = hatchery.client().count("SELECT count(*) FROM v_individuals WHERE status = 'completed'");
-    assert_eq!(committed, i64::from(population * generations), "every outcome is a committed row");
-    Taken { seconds, coordinator: after.0 - before.0, workers: after.1 - before.1 }
 }
 
 /// Seconds that so many evaluations take on bare threads of this process.

@@ -7,6 +7,7 @@ use anyhow::{Context, anyhow};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
+use super::axes::{self, Extent, Room};
 use super::curves::Curve;
 use crate::render::letters;
 
@@ -15,6 +16,7 @@ const HEIGHT_MIN: u32 = 560;
 /// The room of the names to the right.
 const NAMES_WIDTH: u32 = 220;
 const NAME_HEIGHT: u32 = 20;
+const ROOM: Room = Room { below: 40, left: 68, around: 12, above: 12 };
 
 /// Colours that stay apart for the colour-blind (Okabe and Ito); a ninth curve begins again, drawn thinner.
 const COLOURS: [RGBColor; 8] = [
@@ -53,26 +55,14 @@ where
     B::ErrorType: 'static,
 {
     area.fill(&WHITE)?;
-    let (axes, names) = area.split_horizontally(WIDTH - NAMES_WIDTH);
+    let (left, names) = area.split_horizontally(WIDTH - NAMES_WIDTH);
     let points = || curves.iter().flat_map(|curve| &curve.points);
-    let last = points().map(|point| point.generation).max().unwrap_or(1).max(2);
-    let top = points().map(|point| point.best).fold(0.0, f64::max);
-    let bottom = points().map(|point| point.best).fold(0.0, f64::min);
-    let top = if top > bottom { top + 0.05 * (top - bottom) } else { bottom + 1.0 };
-    let mut chart = ChartBuilder::on(&axes)
-        .margin(12)
-        .x_label_area_size(40)
-        .y_label_area_size(68)
-        .build_cartesian_2d(1..last, bottom..top)?;
-    chart
-        .configure_mesh()
-        .light_line_style(WHITE)
-        .bold_line_style(RGBColor(225, 225, 225))
-        .x_desc("generation")
-        .y_desc("best fitness")
-        .label_style(("sans-serif", 14))
-        .axis_desc_style(("sans-serif", 15))
-        .draw()?;
+    let extent = Extent {
+        last: points().map(|point| point.generation).max().unwrap_or(1),
+        bottom: points().map(|point| point.best).fold(0.0, f64::min),
+        top: points().map(|point| point.best).fold(0.0, f64::max),
+    };
+    let mut chart = axes::draw(&left, extent, ROOM, "best fitness")?;
     for (index, curve) in curves.iter().enumerate() {
         let line = curve.points.iter().map(|point| (point.generation, point.best));
         chart.draw_series(LineSeries::new(line, style(index)))?;

@@ -8,6 +8,7 @@ use anyhow::{Context, anyhow};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
+use super::axes::{self, Extent, Room};
 use super::curves::{Curve, Point};
 use crate::render::letters;
 
@@ -15,6 +16,7 @@ const PANEL_WIDTH: u32 = 480;
 const PANEL_HEIGHT: u32 = 320;
 const HEADING_HEIGHT: u32 = 34;
 const LABELS_WIDTH: u32 = 56;
+const ROOM: Room = Room { below: 36, left: LABELS_WIDTH, around: 10, above: HEADING_HEIGHT };
 /// The room of one line's name in a heading.
 const LEGEND_WIDTH: i32 = 66;
 /// Panels a side at most: a picture beyond that can neither be read nor held in memory.
@@ -109,26 +111,13 @@ impl<'a> Grid<'a> {
         B::ErrorType: 'static,
     {
         let points = || of_body.iter().flat_map(|curve| &curve.points);
-        let last = points().map(|point| point.generation).max().unwrap_or(1).max(2);
-        let top = points().map(|point| point.best).fold(f64::NEG_INFINITY, f64::max);
-        let bottom = points().map(|point| point.worst).fold(0.0, f64::min);
-        let top = if top > bottom { top + 0.05 * (top - bottom) } else { bottom + 1.0 };
+        let extent = Extent {
+            last: points().map(|point| point.generation).max().unwrap_or(1),
+            bottom: points().map(|point| point.worst).fold(0.0, f64::min),
+            top: points().map(|point| point.best).fold(f64::NEG_INFINITY, f64::max),
+        };
         heading(panel, caption)?;
-        let mut chart = ChartBuilder::on(panel)
-            .margin(10)
-            .margin_top(HEADING_HEIGHT)
-            .x_label_area_size(36)
-            .y_label_area_size(LABELS_WIDTH)
-            .build_cartesian_2d(1..last, bottom..top)?;
-        chart
-            .configure_mesh()
-            .light_line_style(WHITE)
-            .bold_line_style(RGBColor(225, 225, 225))
-            .x_desc("generation")
-            .y_desc("fitness")
-            .label_style(("sans-serif", 14))
-            .axis_desc_style(("sans-serif", 15))
-            .draw()?;
+        let mut chart = axes::draw(panel, extent, ROOM, "fitness")?;
         for ((_, of), colour) in LINES.into_iter().zip(COLOURS) {
             for curve in of_cell {
                 let line = curve.points.iter().map(|point| (point.generation, of(point)));

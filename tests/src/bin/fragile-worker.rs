@@ -1,13 +1,12 @@
 //! A worker with something wrong with it: its process dies of some genotypes, or its physics are not those of
 //! the others. Real in all else: it is the worker's own library that runs.
 
-use std::future::pending;
 use std::process::ExitCode;
 use std::sync::OnceLock;
 
 use clap::Parser;
 use creatures::{Cull, DecodeError, Observer, Outcome, Task};
-use hatchery_tests::Disguise;
+use hatchery_tests::{Disguise, work_otherwise};
 
 /// What is wrong with this worker.
 #[derive(Debug, Parser)]
@@ -31,27 +30,16 @@ static FATAL_BELOW: OnceLock<u8> = OnceLock::new();
 async fn main() -> ExitCode {
     let arguments = FragileArguments::parse();
     FATAL_BELOW.set(arguments.fatal_below).expect("set once");
-    let mut config = match arguments.worker.config() {
-        Ok(config) => config,
-        Err(error) => {
-            eprintln!("{error}");
-            return ExitCode::from(2);
+    let change = |config: &mut worker::Config| {
+        config.systems = |name| DISGUISE.system(name);
+        if arguments.foreign_physics {
+            config.fingerprint[0] ^= 1;
+        }
+        if let Some(release) = arguments.release {
+            config.version = release;
         }
     };
-    config.systems = |name| DISGUISE.system(name);
-    if arguments.foreign_physics {
-        config.fingerprint[0] ^= 1;
-    }
-    if let Some(release) = arguments.release {
-        config.version = release;
-    }
-    match worker::run(config, pending()).await {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{error}");
-            ExitCode::FAILURE
-        }
-    }
+    work_otherwise(arguments.worker, change).await
 }
 
 static DISGUISE: Disguise = Disguise(|task| Box::new(FragileTask(task)));

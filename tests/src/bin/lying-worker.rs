@@ -1,14 +1,13 @@
 //! A worker that lies: every so many outcomes of probes are better than they were. Real in all else: it is the
 //! worker's own library that runs.
 
-use std::future::pending;
 use std::process::ExitCode;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Parser;
 use creatures::{Cull, DecodeError, Observer, Outcome, Task};
-use hatchery_tests::Disguise;
+use hatchery_tests::{Disguise, work_otherwise};
 
 /// How this worker lies.
 #[derive(Debug, Parser)]
@@ -27,21 +26,7 @@ static TOLD: AtomicU64 = AtomicU64::new(0);
 async fn main() -> ExitCode {
     let arguments = LyingArguments::parse();
     EVERY.set(arguments.every).expect("set once");
-    let mut config = match arguments.worker.config() {
-        Ok(config) => config,
-        Err(error) => {
-            eprintln!("{error}");
-            return ExitCode::from(2);
-        }
-    };
-    config.systems = |name| DISGUISE.system(name);
-    match worker::run(config, pending()).await {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{error}");
-            ExitCode::FAILURE
-        }
-    }
+    work_otherwise(arguments.worker, |config| config.systems = |name| DISGUISE.system(name)).await
 }
 
 static DISGUISE: Disguise = Disguise(|task| Box::new(LyingTask(task)));
