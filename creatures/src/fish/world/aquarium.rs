@@ -8,14 +8,14 @@ use crate::fish::behaviour::Stage;
 use crate::fish::habits::Nature;
 use crate::fish::mechanics::{Fault, TIME_STEP};
 use crate::fish::perception::scene::Shadow;
-use crate::fish::perception::{Figure, Scene};
+use crate::fish::perception::{Figure, Horizon, Room, Scene};
 use glam::DVec3;
 
 /// The mouth sucks when it is all open.
 const OPEN: f64 = 1.0;
 
 /// What happened in a step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Event {
     /// A fish swallowed a particle.
     Meal(FishId, ParticleId),
@@ -53,11 +53,12 @@ pub struct Aquarium {
     grid: Grid,
     shadows: Vec<Shadow>,
     commands: Vec<Command>,
-    /// (fishes), whether the mouth was open when the step began.
-    sucking: Vec<bool>,
+    /// Whose mouths were open when the step began, ascending.
+    mouths: Vec<FishId>,
     /// (nodes of one fish).
     forces: Vec<DVec3>,
-    near: Vec<FishId>,
+    horizon: Horizon,
+    room: Room,
     claims: Vec<Claim>,
 }
 
@@ -82,9 +83,10 @@ impl Aquarium {
             grid: Grid::default(),
             shadows: Vec::with_capacity(fishes.len()),
             commands: vec![Command::default(); fishes.len()],
-            sucking: vec![false; fishes.len()],
             forces: vec![DVec3::ZERO; crate::fish::body::NODES],
-            near: Vec::with_capacity(fishes.len()),
+            mouths: Vec::with_capacity(fishes.len()),
+            horizon: Horizon::default(),
+            room: Room::default(),
             claims: Vec::new(),
             figures,
             fishes,
@@ -122,7 +124,7 @@ impl Aquarium {
         self.grid.sort(living.clone().map(|figure| (figure.id, figure.center)));
         let largest = |of: fn(&Figure) -> f64| living.clone().map(of).fold(0.0, f64::max);
         self.shadows.clear();
-        self.shadows.extend(living.clone().map(Shadow::of));
+        self.shadows.extend(self.figures.iter().map(Shadow::of));
         let scene = Scene {
             shadows: &self.shadows,
             time: self.time(),
@@ -137,17 +139,18 @@ impl Aquarium {
         };
         for ((fish, figure), command) in self.fishes.iter_mut().zip(&self.figures).zip(&mut self.commands) {
             if figure.alive {
-                *command = fish.live(&scene, figure, &mut self.near);
+                *command = fish.live(&scene, figure, &mut self.horizon, &mut self.room);
             }
         }
     }
 
     /// Steps 7 to 9: controllers, external forces, bodies.
     fn swim(&mut self) -> Result<(), Lost> {
-        for (sucking, fish) in self.sucking.iter_mut().zip(&self.fishes) {
-            *sucking = fish.deeds.died.is_none() && fish.swimmer.motor.mouth >= OPEN;
-        }
-        let predators = |figure: &&Figure| figure.nature == Nature::Predator;
+        let open = |(fish, figure): (&Inhabitant, &Figure)| {
+            (figure.alive && fish.swimmer.motor.mouth >= OPEN).then_some(figure.id)
+        };
+        self.mouths.clear();
+        self.mouths.extend(self.fishes.iter().zip(&self.figures).filter_map(open));
         let time = self.time();
         for (index, fish) in self.fishes.iter_mut().enumerate() {
             let figure = &self.figures[index];
@@ -161,9 +164,10 @@ impl Aquarium {
                 self.environment.push(positions, figure.size, figure.center, reach, &mut self.forces);
             fish.deeds.contact_steps += u32::from(touched);
             if figure.nature == Nature::Prey {
-                for mouth in self.figures.iter().filter(predators).filter(|one| self.sucking[one.id.index()])
-                {
-                    suction::force(mouth, figure, &fish.swimmer.body, &mut self.forces);
+                for mouth in self.mouths.iter().map(|id| &self.figures[id.index()]) {
+                    if mouth.nature == Nature::Predator {
+                        suction::force(mouth, figure, &fish.swimmer.body, &mut self.forces);
+                    }
                 }
             }
             let water = self.environment.currents.at(time);
@@ -177,11 +181,10 @@ impl Aquarium {
     /// Step 10: particles, in the suction of the mouths that were open.
     fn drift(&mut self) {
         let water = self.environment.currents.at(self.time());
-        let open = |figure: &&Figure| self.sucking[figure.id.index()];
+        let mouths = || self.mouths.iter().map(|id| &self.figures[id.index()]);
         for particle in &mut self.particles {
             let at = particle.position;
-            let suction: DVec3 =
-                self.figures.iter().filter(open).map(|mouth| suction::velocity(mouth, at)).sum();
+            let suction: DVec3 = mouths().map(|mouth| suction::velocity(mouth, at)).sum();
             particle.drift(water.velocity(at), suction, &self.environment.tank, |at| {
                 self.environment.obstacles.iter().all(|solid| solid.contact(at).distance > CLEARANCE)
             });
@@ -210,7 +213,9 @@ impl Aquarium {
                 }
             }
         }
-        self.claims.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.eater.cmp(&b.eater)));
+        // Of two things at one distance from one mouth, the lower id.
+        let order = |claim: &Claim| (claim.eater, claim.event);
+        self.claims.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(order(a).cmp(&order(b))));
         let time = self.time();
         for claim in &self.claims {
             match claim.event {
