@@ -94,6 +94,11 @@ pub struct Horizon {
 }
 
 impl Horizon {
+    /// Room for so many fishes.
+    pub fn with_room(fishes: usize) -> Horizon {
+        Horizon { others: Vec::with_capacity(fishes), shadows: Vec::with_capacity(fishes) }
+    }
+
     /// Looks about with a fish's reach of sight.
     pub fn scan<'a>(&'a mut self, scene: &'a Scene<'a>, me: &'a Figure, habits: &'a Habits) -> Senses<'a> {
         // No node is as far from b as the body is long.
@@ -112,6 +117,13 @@ pub struct Room {
     pub near: Vec<FishId>,
     /// What there is to eat, and what it costs.
     pub costs: Vec<(f64, Target)>,
+}
+
+impl Room {
+    /// Enough for so many fishes and particles.
+    pub fn with_room(fishes: usize, particles: usize) -> Room {
+        Room { near: Vec::with_capacity(fishes), costs: Vec::with_capacity(fishes.max(particles)) }
+    }
 }
 
 /// One fish's senses.

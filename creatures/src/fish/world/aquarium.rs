@@ -7,6 +7,7 @@ use crate::fish::Water;
 use crate::fish::behaviour::Stage;
 use crate::fish::habits::Nature;
 use crate::fish::mechanics::{Fault, TIME_STEP};
+use crate::fish::mind::{Cause, Intention, Mind};
 use crate::fish::perception::scene::Shadow;
 use crate::fish::perception::{Figure, Horizon, Room, Scene};
 use glam::DVec3;
@@ -17,6 +18,17 @@ const OPEN: f64 = 1.0;
 /// What happened in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Event {
+    /// A fish means to do something else than before, by the rule that said so.
+    Change {
+        /// Who.
+        fish: FishId,
+        /// What it meant to do.
+        from: Intention,
+        /// What it means to do now.
+        to: Intention,
+        /// The rule.
+        cause: Cause,
+    },
     /// A fish swallowed a particle.
     Meal(FishId, ParticleId),
     /// A predator swallowed a prey, which is dead.
@@ -46,7 +58,7 @@ pub struct Aquarium {
     pub particles: Vec<Particle>,
     /// How the fishes look now.
     pub figures: Vec<Figure>,
-    /// What happened in the last step, meals first, then matings.
+    /// What happened in the last step: changes of intention first, then meals, then matings.
     pub events: Vec<Event>,
     /// Steps done.
     pub steps: u32,
@@ -72,22 +84,29 @@ struct Claim {
 
 impl Aquarium {
     /// At time 0.
-    pub fn new(environment: Environment, fishes: Vec<Inhabitant>, particles: Vec<Particle>) -> Aquarium {
+    pub fn new(environment: Environment, mut fishes: Vec<Inhabitant>, particles: Vec<Particle>) -> Aquarium {
         let ids = (0..).map(FishId);
         let figures: Vec<Figure> = fishes.iter().zip(ids).map(|(fish, id)| fish.figure(id)).collect();
+        // Room for all that a step may list, so that none allocates.
+        let (count, specks) = (fishes.len(), particles.len());
+        let pacifist = |fish: &Inhabitant| fish.habits.nature == Nature::Pacifist;
+        let partners = fishes.iter().filter(|fish| pacifist(fish)).count();
+        for fish in fishes.iter_mut().filter(|fish| pacifist(fish)) {
+            fish.routines.courtship.make_room(partners);
+        }
         Aquarium {
+            grid: Grid::with_room(environment.tank.half, count),
             environment,
             particles,
-            events: Vec::new(),
+            events: Vec::with_capacity(3 * count),
             steps: 0,
-            grid: Grid::default(),
-            shadows: Vec::with_capacity(fishes.len()),
-            commands: vec![Command::default(); fishes.len()],
+            shadows: Vec::with_capacity(count),
+            commands: vec![Command::default(); count],
             forces: vec![DVec3::ZERO; crate::fish::body::NODES],
-            mouths: Vec::with_capacity(fishes.len()),
-            horizon: Horizon::default(),
-            room: Room::default(),
-            claims: Vec::new(),
+            mouths: Vec::with_capacity(count),
+            horizon: Horizon::with_room(count),
+            room: Room::with_room(count, specks),
+            claims: Vec::with_capacity(count + specks),
             figures,
             fishes,
         }
@@ -103,6 +122,7 @@ impl Aquarium {
     /// # Errors
     /// The first fish that has left the model; the world is then of no use.
     pub fn step(&mut self) -> Result<(), Lost> {
+        self.events.clear();
         self.decide();
         self.swim()?;
         self.drift();
@@ -112,7 +132,6 @@ impl Aquarium {
                 self.figures[index] = fish.figure(FishId(index as u32));
             }
         }
-        self.events.clear();
         self.feed();
         self.mate();
         Ok(())
@@ -139,7 +158,12 @@ impl Aquarium {
         };
         for ((fish, figure), command) in self.fishes.iter_mut().zip(&self.figures).zip(&mut self.commands) {
             if figure.alive {
+                let from = fish.mind.intention;
                 *command = fish.live(&scene, figure, &mut self.horizon, &mut self.room);
+                let Mind { intention: to, cause, .. } = fish.mind;
+                if to != from {
+                    self.events.push(Event::Change { fish: figure.id, from, to, cause });
+                }
             }
         }
     }
@@ -226,7 +250,7 @@ impl Aquarium {
                     self.figures[id.index()].alive = false;
                     self.fishes[id.index()].deeds.died = Some(time);
                 }
-                _ => continue,
+                _ => continue, // it is gone already
             }
             let eater = &mut self.fishes[claim.eater.index()];
             eater.deeds.meals += 1;

@@ -140,6 +140,11 @@ impl Counts {
 }
 
 impl Courtship {
+    /// Room for leaving so many partners alone.
+    pub fn make_room(&mut self, partners: usize) {
+        self.excluded.reserve(partners);
+    }
+
     /// Back to searching; those left alone stay so.
     pub fn reset(&mut self) {
         *self = Courtship {
