@@ -2,7 +2,7 @@
 //! to be shown before somebody asks for it.
 
 use crate::Interim;
-use crate::record::{Frame, Scene};
+use crate::record::{Event, Frame, Scene};
 
 /// Somebody who watches one evaluation. Every method looks away unless it is written otherwise.
 ///
@@ -17,6 +17,11 @@ pub trait Observer {
     /// A trial of a number, from 0, is about to begin. Calling `scene` gives what is in it.
     fn trial(&mut self, number: u32, scene: &dyn Fn() -> Scene) {
         let _ = (number, scene);
+    }
+
+    /// Something happened to a creature in the step whose frame comes next. Calling `event` gives what.
+    fn event(&mut self, event: &dyn Fn() -> Event) {
+        let _ = event;
     }
 
     /// The trial stands at a time since its start, in the scene's unit: at 0, and after every physics step.

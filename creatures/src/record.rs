@@ -2,10 +2,12 @@
 //! reads and writes nothing; `docs/recordings.md` documents the form in which it is written.
 
 mod keep;
+mod mind;
 mod pose;
 mod written;
 
 pub use keep::{Keeper, Recording, Shot};
+pub use mind::{Event, Happening, Mind};
 pub use written::{FORMAT, Header, Subject};
 
 use glam::{DQuat, DVec3};
@@ -30,6 +32,9 @@ pub struct Scene {
     pub parts: Vec<Part>,
     /// What stands still.
     pub props: Vec<Prop>,
+    /// Names of the muscles that each creature has, if frames tell what they do: `SIDE_SEGMENT_REST`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub muscles: Vec<String>,
 }
 
 /// Something that moves as one.
@@ -125,12 +130,18 @@ pub enum Pose {
 }
 
 /// One moment.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// Of the scene's creatures, in their order.
     pub centers: Vec<DVec3>,
     /// Of the scene's parts, in their order.
     pub poses: Vec<Pose>,
+    /// Of the scene's creatures, how far each of the scene's muscles is contracted, in [0, 1].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub muscles: Vec<Vec<f64>>,
+    /// Of the scene's creatures, if they have minds; none of one that is dead.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub minds: Vec<Option<Mind>>,
 }
 
 impl Pose {

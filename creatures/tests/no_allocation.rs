@@ -8,7 +8,11 @@ use creatures::esp::physics::Physics;
 use creatures::esp::sample;
 use creatures::esp::syllabus::{SkillId, SyllabusTable};
 use creatures::esp::trial::{Light, Living};
+use creatures::fish::habits::{Habits, Nature, Sex};
 use creatures::fish::samples::{COUNT, STEPS};
+use creatures::fish::world::{
+    Aquarium, Climate, Currents, Environment, FishId, Inhabitant, Obstacle, Particle, ParticleId, Stuff, Tank,
+};
 use creatures::fish::{
     Body as FishBody, Calibrated, Chase, ControllerSet, Encoding, Samples, Still, Swimmer, abstracted,
 };
@@ -19,6 +23,7 @@ use creatures::random::stream;
 use glam::DVec3;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 struct Counting;
@@ -159,6 +164,43 @@ fn a_fishs_step_allocates_nothing_whether_hand_made_or_learned() {
         assert_eq!(ALLOCATIONS.get() - before, 0);
         assert!((fish.center_of_mass() - start).length() > 0.1, "the fish is alive");
     }
+}
+
+/// All that a world's step lists (who is near, who is seen, what there is to eat) it lists in room that is there.
+#[test]
+fn a_step_of_a_fishes_world_allocates_nothing() {
+    let tank = Tank::new([400.0, 400.0, 200.0]);
+    let built = ALLOCATIONS.get();
+    let kinds = [(Nature::Predator, 1), (Nature::Prey, 6), (Nature::Pacifist, 4)];
+    let natures = kinds.into_iter().flat_map(|(nature, count)| std::iter::repeat_n(nature, count));
+    let fishes: Vec<Inhabitant> = natures
+        .zip(0..)
+        .map(|(nature, id)| {
+            let sex = if id % 2 == 0 { Sex::Male } else { Sex::Female };
+            let habits = Habits::published(nature, sex);
+            let place = DVec3::new(30.0 * f64::from(id) - 150.0, 40.0 * f64::from(id % 3), 0.0);
+            let body = Arc::new(FishBody::published(habits.size));
+            let mut fish = Inhabitant::new(FishId(id), habits, body, place, 0.0, 1, 0);
+            fish.mind.drives.since_mating = 400.0;
+            fish
+        })
+        .collect();
+    let stuff = Stuff { respawn: Some(1.0), ..Stuff::default() };
+    let food = |id| Particle::new(ParticleId(id), stuff, &tank, 1, 0, |_| true);
+    let obstacles = vec![Obstacle::Sphere { center: [0.0, 120.0, 0.0], radius: 15.0 }];
+    let (currents, climate) = (Currents::default(), Climate::default());
+    let environment = Environment { tank, currents, climate, obstacles };
+    let mut aquarium = Aquarium::new(environment, fishes, (0..40).map(food).collect());
+    assert!(ALLOCATIONS.get() > built, "the allocator counts");
+    let (mut intentions, mut events) = (BTreeSet::new(), 0);
+    for _ in 0..3000 {
+        let before = ALLOCATIONS.get();
+        aquarium.step().unwrap();
+        assert_eq!(ALLOCATIONS.get() - before, 0, "step {}", aquarium.steps);
+        events += aquarium.events.len();
+        intentions.extend(aquarium.fishes.iter().map(|fish| fish.mind.intention));
+    }
+    assert!(intentions.len() >= 5 && events > 20, "it is a busy world: {intentions:?}, {events} events");
 }
 
 /// The engine may allocate as it likes; what is ours of a step does not.

@@ -42,7 +42,7 @@ mod tests {
     use creatures::record::Frame;
 
     fn shots(count: u32) -> Vec<Shot> {
-        let shot = |time| Shot { time: f64::from(time), frame: Frame { centers: vec![], poses: vec![] } };
+        let shot = |time| Shot { time: f64::from(time), frame: Frame::default(), events: vec![] };
         (0..count).map(shot).collect()
     }
 

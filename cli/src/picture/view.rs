@@ -64,6 +64,7 @@ mod tests {
             creatures: vec![],
             parts: vec![],
             props: vec![],
+            muscles: vec![],
         };
         let (ahead, left, above) = (DVec3::Z, DVec3::X, DVec3::Y);
         let side = View::side(&scene);

@@ -18,7 +18,16 @@ pub(super) fn water() -> Scene {
         creatures: vec![],
         parts: vec![],
         props: vec![],
+        muscles: muscles(),
     }
+}
+
+/// u₁…u₁₂: three segments, the corners of each from the top left to the right and round.
+fn muscles() -> Vec<String> {
+    let corners = |segment| ["left", "right", "right", "left"].map(|side| (side, segment));
+    let heights = ["top", "top", "bottom", "bottom"].into_iter().cycle();
+    let all = ["front", "middle", "rear"].into_iter().flat_map(corners).zip(heights);
+    all.map(|((side, segment), height)| format!("{side}_{segment}_{height}")).collect()
 }
 
 /// One fish, and nothing else.
@@ -30,7 +39,12 @@ pub(super) fn alone(fish: &Swimmer) -> Scene {
 
 /// Where the one fish is now.
 pub(super) fn frame(fish: &Swimmer) -> Frame {
-    Frame { centers: vec![fish.center_of_mass()], poses: vec![nodes(fish)] }
+    Frame {
+        centers: vec![fish.center_of_mass()],
+        poses: vec![nodes(fish)],
+        muscles: vec![fish.actuation().to_vec()],
+        ..Frame::default()
+    }
 }
 
 /// A fish's nodes.

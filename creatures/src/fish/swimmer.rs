@@ -1,7 +1,7 @@
 //! One fish in water: a body that is stepped by commands, or by bare muscle actuations (A-9..A-33). What it
 //! wants, and what else is in the water, is told from outside.
 
-use super::body::{Body, NODES};
+use super::body::{Body, MUSCLES, NODES};
 use super::controller_set::{ControllerSet, Maps};
 use super::fins::{self, STROKE_MAX};
 use super::hydrodynamics::Water;
@@ -29,6 +29,8 @@ pub struct Swimmer {
     /// What it swims by in place of the hand-made controllers.
     learned: Option<Maps>,
     mechanics: Mechanics,
+    /// u at the end of the last step, each in [0, 1].
+    actuation: Actuation,
     /// (springs), l(t).
     rest_lengths: Vec<f64>,
     /// (nodes), of fins and of what the caller adds.
@@ -50,6 +52,7 @@ impl Swimmer {
             motion: Motion::at_rest(positions),
             motor: Motor::default(),
             learned: None,
+            actuation: [0.0; MUSCLES],
             mechanics: Mechanics::new(&body.lattice, newton, SPEED_MAX * body.size),
             rest_lengths: body.lattice.springs.iter().map(|spring| spring.rest_length).collect(),
             forces: vec![DVec3::ZERO; NODES],
@@ -95,10 +98,11 @@ impl Swimmer {
         for (sum, force) in self.forces.iter_mut().zip(forces) {
             *sum += *force;
         }
-        for (u, spring) in actuation.iter().zip(self.body.muscles) {
+        self.actuation = actuation.map(|u| u.clamp(0.0, 1.0));
+        for (u, spring) in self.actuation.into_iter().zip(self.body.muscles) {
             // l(t) = l₀ (1 − u (1 − λ)); what is no number stays one and ends the step.
             let idle = self.body.lattice.springs[spring].rest_length;
-            self.rest_lengths[spring] = idle * (1.0 - u.clamp(0.0, 1.0) * (1.0 - CONTRACTION));
+            self.rest_lengths[spring] = idle * (1.0 - u * (1.0 - CONTRACTION));
         }
         let moved = self.mechanics.step(
             &self.body.lattice,
@@ -109,6 +113,11 @@ impl Swimmer {
         );
         self.forces.fill(DVec3::ZERO);
         moved
+    }
+
+    /// How far its muscles were contracted at the end of the last step, u₁…u₁₂.
+    pub fn actuation(&self) -> &Actuation {
+        &self.actuation
     }
 
     /// Its derived points and directions.

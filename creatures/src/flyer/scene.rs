@@ -29,6 +29,7 @@ pub(super) fn scene(bones: &[Bone], step: f64) -> Scene {
         creatures: vec!["flyer".to_owned()],
         parts: bones.iter().enumerate().map(part).collect(),
         props: vec![Prop { name: "ground".to_owned(), shape: Shape::Ground, pose: Pose::at(DVec3::ZERO) }],
+        muscles: vec![],
     }
 }
 
@@ -36,5 +37,9 @@ pub(super) fn scene(bones: &[Bone], step: f64) -> Scene {
 pub(super) fn frame(phenotype: &Phenotype) -> Frame {
     let world = phenotype.world();
     let pose = |body| Pose::Rigid { position: world.position(body), orientation: world.orientation(body) };
-    Frame { centers: vec![world.center_of_mass()], poses: world.bodies().map(pose).collect() }
+    Frame {
+        centers: vec![world.center_of_mass()],
+        poses: world.bodies().map(pose).collect(),
+        ..Frame::default()
+    }
 }

@@ -27,6 +27,7 @@ pub(super) fn scene(body: BodyKind, step: f64) -> Scene {
         creatures: vec![body.name().to_owned()],
         parts,
         props: vec![Prop { name: "ground".to_owned(), shape: Shape::Ground, pose: Pose::at(DVec3::ZERO) }],
+        muscles: vec![],
     }
 }
 
@@ -34,5 +35,9 @@ pub(super) fn scene(body: BodyKind, step: f64) -> Scene {
 pub(super) fn frame(phenotype: &Phenotype) -> Frame {
     let world = phenotype.world();
     let pose = |&part| Pose::Rigid { position: world.position(part), orientation: world.orientation(part) };
-    Frame { centers: vec![world.center_of_mass()], poses: phenotype.parts().iter().map(pose).collect() }
+    Frame {
+        centers: vec![world.center_of_mass()],
+        poses: phenotype.parts().iter().map(pose).collect(),
+        ..Frame::default()
+    }
 }

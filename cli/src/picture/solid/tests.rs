@@ -11,6 +11,7 @@ fn side() -> View {
         creatures: vec![],
         parts: vec![],
         props: vec![],
+        muscles: vec![],
     })
 }
 

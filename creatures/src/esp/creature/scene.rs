@@ -34,6 +34,7 @@ impl Creature<'_> {
             creatures: vec!["creature".to_owned()],
             parts: self.phenotype.parts.iter().enumerate().map(part).collect(),
             props: std::iter::once(ground).chain(discs).collect(),
+            muscles: vec![],
         }
     }
 
@@ -46,6 +47,7 @@ impl Creature<'_> {
         Frame {
             centers: vec![self.state.centre],
             poses: self.phenotype.parts.iter().enumerate().map(pose).collect(),
+            ..Frame::default()
         }
     }
 }

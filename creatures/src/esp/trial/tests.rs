@@ -95,11 +95,16 @@ impl Living for Puppet {
             creatures: vec!["puppet".to_owned()],
             parts: vec![point],
             props: Vec::new(),
+            muscles: vec![],
         }
     }
 
     fn frame(&self) -> Frame {
-        Frame { centers: vec![self.state.centre], poses: vec![Pose::at(self.state.centre)] }
+        Frame {
+            centers: vec![self.state.centre],
+            poses: vec![Pose::at(self.state.centre)],
+            ..Frame::default()
+        }
     }
 }
 

@@ -2,8 +2,9 @@
 //! of distance.
 
 use super::head;
-use crate::fish::perception::{Figure, Percept, Senses};
+use crate::fish::perception::{Figure, Senses};
 use crate::fish::posture::heading;
+use crate::fish::world::FishId;
 use crate::fish::{Chase, Command, Posture};
 use crate::math::asin;
 use glam::DVec3;
@@ -23,26 +24,33 @@ const CATCH_UP: f64 = 0.3;
 const SWIM: [f64; 2] = [0.3, 1.0];
 const SWIM_TOO_NEAR: f64 = 0.6;
 
-/// What to do in this step to be in a school; none if nobody is in sight to school with.
-pub fn keep(senses: &Senses<'_>, chase: &mut Chase, posture: &Posture<'_>) -> Option<Command> {
+/// What to do in this step to be in a school; none if nobody is in sight to school with. `near` is room for who is.
+pub fn keep(
+    senses: &Senses<'_>,
+    chase: &mut Chase,
+    posture: &Posture<'_>,
+    near: &mut Vec<FishId>,
+) -> Option<Command> {
     let (me, length) = (senses.me, senses.me.length());
     let companion = |figure: &Figure| figure.schooling && figure.species == me.species;
-    let visible: Vec<Percept<'_>> = senses.fishes(companion).collect();
-    let nearest = *visible.iter().reduce(|a, b| if b.distance < a.distance { b } else { a })?;
-    if nearest.distance > FORMATION * length {
-        let leader = leader(&visible, me)?;
+    let distance = |figure: &Figure| (figure.center - me.center).length();
+    near.clear();
+    near.extend(senses.seen(companion).map(|figure| figure.id));
+    let scene = senses.scene;
+    let nearest = scene.figures_of(near).reduce(|a, b| if distance(b) < distance(a) { b } else { a })?;
+    if distance(nearest) > FORMATION * length {
+        let leader = leader(scene.figures_of(near), me)?;
         return Some(chase.toward(leader.center, 1.0, posture, me.size));
     }
-    let near: Vec<&Figure> =
-        visible.iter().filter(|one| one.distance <= NEIGHBOURS * length).map(|one| one.figure).collect();
+    near.retain(|id| distance(&scene.figures[id.index()]) <= NEIGHBOURS * length);
     let count = near.len() as f64;
-    let mean = near.iter().map(|figure| figure.forward).sum::<DVec3>() / count;
+    let mean = scene.figures_of(near).map(|figure| figure.forward).sum::<DVec3>() / count;
     let along = mean.try_normalize().unwrap_or(me.forward);
-    let way = near.iter().map(|figure| figure.center).sum::<DVec3>() / count - me.center;
+    let way = scene.figures_of(near).map(|figure| figure.center).sum::<DVec3>() / count - me.center;
     let gap = way.dot(along);
     let offset = way - along * gap;
-    let (wish, swim) = if nearest.distance <= TOO_NEAR * length {
-        let apart = (me.center - nearest.figure.center).normalize_or_zero();
+    let (wish, swim) = if distance(nearest) <= TOO_NEAR * length {
+        let apart = (me.center - nearest.center).normalize_or_zero();
         (mean + apart * APART, swim(gap, length).min(SWIM_TOO_NEAR))
     } else {
         let inward =
@@ -66,9 +74,8 @@ fn swim(gap: f64, length: f64) -> f64 {
 }
 
 /// The one farthest ahead along the mean heading of all; the lower id of two alike.
-fn leader<'a>(visible: &[Percept<'a>], me: &Figure) -> Option<&'a Figure> {
-    let mean: DVec3 = visible.iter().map(|one| one.figure.forward).sum();
+fn leader<'a>(visible: impl Iterator<Item = &'a Figure> + Clone, me: &Figure) -> Option<&'a Figure> {
+    let mean: DVec3 = visible.clone().map(|figure| figure.forward).sum();
     let ahead = |figure: &Figure| (figure.center - me.center).dot(mean);
-    let figures = visible.iter().map(|one| one.figure);
-    figures.reduce(|a, b| if ahead(b) > ahead(a) { b } else { a })
+    visible.reduce(|a, b| if ahead(b) > ahead(a) { b } else { a })
 }

@@ -88,7 +88,9 @@ fn a_school_is_joined_kept_and_not_crowded() {
         for &(x, y) in places {
             pond.add(DVec3::new(x, y - 6.0, 0.0), 0.0);
         }
-        pond.senses(0, |senses| super::school::keep(senses, &mut Chase::default(), &Posture::new(&positions)))
+        pond.senses(0, |senses| {
+            super::school::keep(senses, &mut Chase::default(), &Posture::new(&positions), &mut Vec::new())
+        })
     };
     assert!(school(&[]).is_none());
     let joins = school(&[(60.0, 60.0), (60.0, 90.0)]).unwrap();

@@ -42,10 +42,9 @@ pub fn mean(senses: &Senses<'_>) -> f64 {
             solid.hit(me.eye, way, reach, 0.0)
         });
     }
-    for figure in scene.living().filter(|figure| figure.id != me.id) {
-        let shadow = figure.shadow;
-        shade(senses, &ways, &mut ends, shadow.center(), shadow.reach(), FISH_ALBEDO, |way, reach| {
-            shadow.hit(me.eye, way, reach)
+    for shadow in senses.shadows {
+        shade(senses, &ways, &mut ends, shadow.center, shadow.reach, FISH_ALBEDO, |way, reach| {
+            shadow.capsule.hit(me.eye, way, reach)
         });
     }
     for ((distance, albedo), way) in ends.iter_mut().zip(&ways) {

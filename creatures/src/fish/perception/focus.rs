@@ -1,7 +1,7 @@
 //! What a fish attends to: one thing to eat, kept until another is much nearer. Whom it
 //! courts is courtship's business.
 
-use super::{Figure, Senses};
+use super::{Figure, Room, Senses};
 use crate::fish::habits::Nature;
 use crate::fish::mind::{Intention, Target};
 use crate::fish::world::FishId;
@@ -41,9 +41,11 @@ pub fn in_school(senses: &Senses<'_>, figure: &Figure, near: &mut Vec<FishId>) -
 
 /// What is to be eaten: what it was, unless that is out of sight or gives way, else the best in sight, the lower
 /// id of two alike. `cost` is C of the chosen prey.
-pub fn food(senses: &Senses<'_>, current: Option<Target>, near: &mut Vec<FishId>) -> Option<(Target, f64)> {
+pub fn food(senses: &Senses<'_>, current: Option<Target>, room: &mut Room) -> Option<(Target, f64)> {
+    let Room { near, costs } = room;
+    costs.clear();
     if senses.habits.nature == Nature::Predator {
-        let cost = |target: Target, near: &mut Vec<FishId>| match target {
+        let mut cost = |target: Target| match target {
             Target::Fish(id) => {
                 let prey = &senses.scene.figures[id.index()];
                 let distance = (prey.center - senses.me.mouth).length();
@@ -52,10 +54,9 @@ pub fn food(senses: &Senses<'_>, current: Option<Target>, near: &mut Vec<FishId>
             }
             Target::Particle(_) => f64::INFINITY, // a predator never takes one for its target
         };
-        let prey = senses.scene.living().filter(|figure| figure.nature == Nature::Prey);
-        let mut costs: Vec<_> =
-            prey.map(|figure| Target::Fish(figure.id)).map(|t| (cost(t, near), t)).collect();
-        return persist(senses, current, &mut costs, |target| cost(target, near));
+        let prey = senses.figures().filter(|figure| figure.nature == Nature::Prey);
+        costs.extend(prey.map(|figure| Target::Fish(figure.id)).map(|target| (cost(target), target)));
+        return persist(senses, current, costs, cost);
     }
     let distance = |target: Target| match target {
         Target::Particle(id) => (senses.scene.particles[id.index()].position - senses.me.mouth).length(),
@@ -65,9 +66,8 @@ pub fn food(senses: &Senses<'_>, current: Option<Target>, near: &mut Vec<FishId>
         (distance(target) * (1.0 + TURN_COST * senses.me.turning_angle(at) / PI), target)
     };
     let present = senses.scene.particles.iter().filter(|particle| particle.present);
-    let mut costs: Vec<_> =
-        present.map(|particle| weighed(Target::Particle(particle.id), particle.position)).collect();
-    persist(senses, current, &mut costs, distance)
+    costs.extend(present.map(|particle| weighed(Target::Particle(particle.id), particle.position)));
+    persist(senses, current, costs, distance)
 }
 
 /// The cheapest candidate in sight, or the current target if that is in sight and persistence holds it; with its
@@ -135,7 +135,7 @@ mod tests {
 
     fn chosen(pond: &Pond, current: Option<u32>) -> Option<Target> {
         let current = current.map(|id| Target::Particle(ParticleId(id)));
-        pond.senses(0, |senses| food(senses, current, &mut Vec::new())).map(|(target, _)| target)
+        pond.senses(0, |senses| food(senses, current, &mut Room::default())).map(|(target, _)| target)
     }
 
     /// the mouth is at y = 2.
@@ -165,7 +165,8 @@ mod tests {
             pond.add(DVec3::new(x, 80.0, 0.0), 0.0);
         }
         pond.add(DVec3::new(-10.0, 100.0, 20.0), 0.0);
-        let choose = |pond: &Pond| pond.senses(0, |senses| food(senses, None, &mut Vec::new())).unwrap().0;
+        let choose =
+            |pond: &Pond| pond.senses(0, |senses| food(senses, None, &mut Room::default())).unwrap().0;
         assert_eq!(choose(&pond), Target::Fish(FishId(2)));
         for fish in 1..4 {
             pond.figures[fish].intention = Intention::School;

@@ -16,7 +16,7 @@ pub mod vision;
 pub use figure::{Figure, Percept};
 pub use hazard::{Hazard, Surface};
 pub use preferences::Preferences;
-pub use scene::{Scene, Senses};
+pub use scene::{Horizon, Room, Scene, Senses};
 
 #[cfg(test)]
 pub(super) mod tests;

@@ -21,7 +21,7 @@ pub struct Scene<'a> {
     pub climate: &'a Climate,
     /// (fishes), the dead ones too.
     pub figures: &'a [Figure],
-    /// (living fishes), what stands in the light, ascending.
+    /// (fishes), what stands in the light, the dead ones' too.
     pub shadows: &'a [Shadow],
     /// (particles), the absent ones too.
     pub particles: &'a [Particle],
@@ -65,9 +65,13 @@ impl Shadow {
 }
 
 impl<'a> Scene<'a> {
-    /// The living fishes, ascending.
-    pub fn living(&self) -> impl Iterator<Item = &'a Figure> + use<'a> {
-        self.figures.iter().filter(|figure| figure.alive)
+    /// How some fishes look.
+    pub fn figures_of<'b>(
+        &self,
+        ids: &'b [FishId],
+    ) -> impl Iterator<Item = &'a Figure> + Clone + use<'a, 'b> {
+        let figures = self.figures;
+        ids.iter().map(move |id| &figures[id.index()])
     }
 
     /// Whether a target is there at all.
@@ -76,6 +80,49 @@ impl<'a> Scene<'a> {
             Target::Fish(id) => self.figures[id.index()].alive,
             Target::Particle(id) => self.particles[id.index()].present,
         }
+    }
+}
+
+/// The fishes near enough for one to see them, found once a step: all that it looks at and all that can stand in
+/// its way lies among them. Room is kept from fish to fish.
+#[derive(Debug, Default)]
+pub struct Horizon {
+    /// Ascending.
+    others: Vec<FishId>,
+    /// Of the others.
+    shadows: Vec<Shadow>,
+}
+
+impl Horizon {
+    /// Room for so many fishes.
+    pub fn with_room(fishes: usize) -> Horizon {
+        Horizon { others: Vec::with_capacity(fishes), shadows: Vec::with_capacity(fishes) }
+    }
+
+    /// Looks about with a fish's reach of sight.
+    pub fn scan<'a>(&'a mut self, scene: &'a Scene<'a>, me: &'a Figure, habits: &'a Habits) -> Senses<'a> {
+        // No node is as far from b as the body is long.
+        scene.grid.within(me.eye, habits.vision + 20.0 * scene.size_max, &mut self.others);
+        self.others.retain(|&id| id != me.id);
+        self.shadows.clear();
+        self.shadows.extend(self.others.iter().map(|id| scene.shadows[id.index()]));
+        Senses { scene, me, habits, others: &self.others, shadows: &self.shadows }
+    }
+}
+
+/// Room for the lists that a fish makes in a step, kept from fish to fish, so that no step allocates.
+#[derive(Debug, Default)]
+pub struct Room {
+    /// Who is near.
+    pub near: Vec<FishId>,
+    /// What there is to eat, and what it costs.
+    pub costs: Vec<(f64, Target)>,
+}
+
+impl Room {
+    /// Enough for so many fishes and particles.
+    pub fn with_room(fishes: usize, particles: usize) -> Room {
+        Room { near: Vec::with_capacity(fishes), costs: Vec::with_capacity(fishes.max(particles)) }
     }
 }
 
@@ -88,6 +135,10 @@ pub struct Senses<'a> {
     pub me: &'a Figure,
     /// What it is like.
     pub habits: &'a Habits,
+    /// Whoever else may be within sight, ascending.
+    pub others: &'a [FishId],
+    /// What they hide.
+    pub shadows: &'a [Shadow],
 }
 
 impl<'a> Senses<'a> {
@@ -115,10 +166,19 @@ impl<'a> Senses<'a> {
         seen.then(|| Percept::new(self.me, figure))
     }
 
+    /// The fishes that may be seen, if nothing is in the way, ascending.
+    pub fn figures(&self) -> impl Iterator<Item = &'a Figure> + use<'a> {
+        self.scene.figures_of(self.others)
+    }
+
     /// The fishes that are seen among those for whom something holds, ascending.
+    pub fn seen(&self, which: impl Fn(&Figure) -> bool) -> impl Iterator<Item = &'a Figure> {
+        self.figures().filter(move |figure| which(figure) && vision::sees_fish(self, figure))
+    }
+
+    /// What is made of them.
     pub fn fishes(&self, which: impl Fn(&Figure) -> bool) -> impl Iterator<Item = Percept<'a>> {
-        let candidates = self.scene.living().filter(move |figure| which(figure));
-        candidates.filter_map(|figure| self.fish(figure.id))
+        self.seen(which).map(|figure| Percept::new(self.me, figure))
     }
 
     /// Where a particle is, if it is seen.

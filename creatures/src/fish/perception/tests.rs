@@ -53,8 +53,7 @@ impl Pond {
         let mut grid = Grid::default();
         let living = self.figures.iter().filter(|figure| figure.alive);
         grid.sort(living.map(|figure| (figure.id, figure.center)));
-        let living = self.figures.iter().filter(|figure| figure.alive);
-        let shadows: Vec<Shadow> = living.map(Shadow::of).collect();
+        let shadows: Vec<Shadow> = self.figures.iter().map(Shadow::of).collect();
         let scene = Scene {
             shadows: &shadows,
             time: self.time,
@@ -67,6 +66,6 @@ impl Pond {
             speed_max: self.figures.iter().fold(0.0, |most, figure| figure.velocity.length().max(most)),
             size_max: self.figures.iter().fold(0.0, |most, figure| figure.size.max(most)),
         };
-        ask(&Senses { scene: &scene, me: &self.figures[fish], habits: &self.habits[fish] })
+        ask(&Horizon::default().scan(&scene, &self.figures[fish], &self.habits[fish]))
     }
 }

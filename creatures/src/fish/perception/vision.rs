@@ -50,7 +50,7 @@ fn clear(senses: &Senses<'_>, point: DVec3, fish: Option<FishId>, obstacle: Opti
     let hides = |shadow: &Shadow| {
         shadow.meets(eye, direction, distance) && shadow.id != senses.me.id && Some(shadow.id) != fish
     };
-    !scene.shadows.iter().any(hides)
+    !senses.shadows.iter().any(hides)
 }
 
 #[cfg(test)]

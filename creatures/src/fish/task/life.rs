@@ -2,7 +2,7 @@
 //! knows no task.
 
 use crate::fish::mechanics::{Fault, TIME_STEP};
-use crate::record::{Frame, Scene};
+use crate::record::{Event, Frame, Scene};
 use crate::{Cull, Interim, Observer, Outcome, Reason, Status, Verdict};
 
 /// Watches one evaluation.
@@ -46,6 +46,11 @@ impl<'a> Watch<'a> {
     /// A trial stands after so many steps of its own.
     pub(in crate::fish) fn frame(&mut self, steps: u32, frame: impl Fn() -> Frame) {
         self.observer.frame(f64::from(steps) * TIME_STEP, &frame);
+    }
+
+    /// Something happened in the step whose frame comes next.
+    pub(in crate::fish) fn event(&mut self, event: impl Fn() -> Event) {
+        self.observer.event(&event);
     }
 
     /// Counts a step, and makes the interim report if it is due.

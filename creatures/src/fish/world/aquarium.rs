@@ -7,16 +7,28 @@ use crate::fish::Water;
 use crate::fish::behaviour::Stage;
 use crate::fish::habits::Nature;
 use crate::fish::mechanics::{Fault, TIME_STEP};
+use crate::fish::mind::{Cause, Intention, Mind};
 use crate::fish::perception::scene::Shadow;
-use crate::fish::perception::{Figure, Scene};
+use crate::fish::perception::{Figure, Horizon, Room, Scene};
 use glam::DVec3;
 
 /// The mouth sucks when it is all open.
 const OPEN: f64 = 1.0;
 
 /// What happened in a step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Event {
+    /// A fish means to do something else than before, by the rule that said so.
+    Change {
+        /// Who.
+        fish: FishId,
+        /// What it meant to do.
+        from: Intention,
+        /// What it means to do now.
+        to: Intention,
+        /// The rule.
+        cause: Cause,
+    },
     /// A fish swallowed a particle.
     Meal(FishId, ParticleId),
     /// A predator swallowed a prey, which is dead.
@@ -46,18 +58,19 @@ pub struct Aquarium {
     pub particles: Vec<Particle>,
     /// How the fishes look now.
     pub figures: Vec<Figure>,
-    /// What happened in the last step, meals first, then matings.
+    /// What happened in the last step: changes of intention first, then meals, then matings.
     pub events: Vec<Event>,
     /// Steps done.
     pub steps: u32,
     grid: Grid,
     shadows: Vec<Shadow>,
     commands: Vec<Command>,
-    /// (fishes), whether the mouth was open when the step began.
-    sucking: Vec<bool>,
+    /// Whose mouths were open when the step began, ascending.
+    mouths: Vec<FishId>,
     /// (nodes of one fish).
     forces: Vec<DVec3>,
-    near: Vec<FishId>,
+    horizon: Horizon,
+    room: Room,
     claims: Vec<Claim>,
 }
 
@@ -71,21 +84,29 @@ struct Claim {
 
 impl Aquarium {
     /// At time 0.
-    pub fn new(environment: Environment, fishes: Vec<Inhabitant>, particles: Vec<Particle>) -> Aquarium {
+    pub fn new(environment: Environment, mut fishes: Vec<Inhabitant>, particles: Vec<Particle>) -> Aquarium {
         let ids = (0..).map(FishId);
         let figures: Vec<Figure> = fishes.iter().zip(ids).map(|(fish, id)| fish.figure(id)).collect();
+        // Room for all that a step may list, so that none allocates.
+        let (count, specks) = (fishes.len(), particles.len());
+        let pacifist = |fish: &Inhabitant| fish.habits.nature == Nature::Pacifist;
+        let partners = fishes.iter().filter(|fish| pacifist(fish)).count();
+        for fish in fishes.iter_mut().filter(|fish| pacifist(fish)) {
+            fish.routines.courtship.make_room(partners);
+        }
         Aquarium {
+            grid: Grid::with_room(environment.tank.half, count),
             environment,
             particles,
-            events: Vec::new(),
+            events: Vec::with_capacity(3 * count),
             steps: 0,
-            grid: Grid::default(),
-            shadows: Vec::with_capacity(fishes.len()),
-            commands: vec![Command::default(); fishes.len()],
-            sucking: vec![false; fishes.len()],
+            shadows: Vec::with_capacity(count),
+            commands: vec![Command::default(); count],
             forces: vec![DVec3::ZERO; crate::fish::body::NODES],
-            near: Vec::with_capacity(fishes.len()),
-            claims: Vec::new(),
+            mouths: Vec::with_capacity(count),
+            horizon: Horizon::with_room(count),
+            room: Room::with_room(count, specks),
+            claims: Vec::with_capacity(count + specks),
             figures,
             fishes,
         }
@@ -101,6 +122,7 @@ impl Aquarium {
     /// # Errors
     /// The first fish that has left the model; the world is then of no use.
     pub fn step(&mut self) -> Result<(), Lost> {
+        self.events.clear();
         self.decide();
         self.swim()?;
         self.drift();
@@ -110,7 +132,6 @@ impl Aquarium {
                 self.figures[index] = fish.figure(FishId(index as u32));
             }
         }
-        self.events.clear();
         self.feed();
         self.mate();
         Ok(())
@@ -122,7 +143,7 @@ impl Aquarium {
         self.grid.sort(living.clone().map(|figure| (figure.id, figure.center)));
         let largest = |of: fn(&Figure) -> f64| living.clone().map(of).fold(0.0, f64::max);
         self.shadows.clear();
-        self.shadows.extend(living.clone().map(Shadow::of));
+        self.shadows.extend(self.figures.iter().map(Shadow::of));
         let scene = Scene {
             shadows: &self.shadows,
             time: self.time(),
@@ -137,17 +158,23 @@ impl Aquarium {
         };
         for ((fish, figure), command) in self.fishes.iter_mut().zip(&self.figures).zip(&mut self.commands) {
             if figure.alive {
-                *command = fish.live(&scene, figure, &mut self.near);
+                let from = fish.mind.intention;
+                *command = fish.live(&scene, figure, &mut self.horizon, &mut self.room);
+                let Mind { intention: to, cause, .. } = fish.mind;
+                if to != from {
+                    self.events.push(Event::Change { fish: figure.id, from, to, cause });
+                }
             }
         }
     }
 
     /// Steps 7 to 9: controllers, external forces, bodies.
     fn swim(&mut self) -> Result<(), Lost> {
-        for (sucking, fish) in self.sucking.iter_mut().zip(&self.fishes) {
-            *sucking = fish.deeds.died.is_none() && fish.swimmer.motor.mouth >= OPEN;
-        }
-        let predators = |figure: &&Figure| figure.nature == Nature::Predator;
+        let open = |(fish, figure): (&Inhabitant, &Figure)| {
+            (figure.alive && fish.swimmer.motor.mouth >= OPEN).then_some(figure.id)
+        };
+        self.mouths.clear();
+        self.mouths.extend(self.fishes.iter().zip(&self.figures).filter_map(open));
         let time = self.time();
         for (index, fish) in self.fishes.iter_mut().enumerate() {
             let figure = &self.figures[index];
@@ -161,9 +188,10 @@ impl Aquarium {
                 self.environment.push(positions, figure.size, figure.center, reach, &mut self.forces);
             fish.deeds.contact_steps += u32::from(touched);
             if figure.nature == Nature::Prey {
-                for mouth in self.figures.iter().filter(predators).filter(|one| self.sucking[one.id.index()])
-                {
-                    suction::force(mouth, figure, &fish.swimmer.body, &mut self.forces);
+                for mouth in self.mouths.iter().map(|id| &self.figures[id.index()]) {
+                    if mouth.nature == Nature::Predator {
+                        suction::force(mouth, figure, &fish.swimmer.body, &mut self.forces);
+                    }
                 }
             }
             let water = self.environment.currents.at(time);
@@ -177,11 +205,10 @@ impl Aquarium {
     /// Step 10: particles, in the suction of the mouths that were open.
     fn drift(&mut self) {
         let water = self.environment.currents.at(self.time());
-        let open = |figure: &&Figure| self.sucking[figure.id.index()];
+        let mouths = || self.mouths.iter().map(|id| &self.figures[id.index()]);
         for particle in &mut self.particles {
             let at = particle.position;
-            let suction: DVec3 =
-                self.figures.iter().filter(open).map(|mouth| suction::velocity(mouth, at)).sum();
+            let suction: DVec3 = mouths().map(|mouth| suction::velocity(mouth, at)).sum();
             particle.drift(water.velocity(at), suction, &self.environment.tank, |at| {
                 self.environment.obstacles.iter().all(|solid| solid.contact(at).distance > CLEARANCE)
             });
@@ -210,7 +237,9 @@ impl Aquarium {
                 }
             }
         }
-        self.claims.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.eater.cmp(&b.eater)));
+        // Of two things at one distance from one mouth, the lower id.
+        let order = |claim: &Claim| (claim.eater, claim.event);
+        self.claims.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(order(a).cmp(&order(b))));
         let time = self.time();
         for claim in &self.claims {
             match claim.event {
@@ -221,7 +250,7 @@ impl Aquarium {
                     self.figures[id.index()].alive = false;
                     self.fishes[id.index()].deeds.died = Some(time);
                 }
-                _ => continue,
+                _ => continue, // it is gone already
             }
             let eater = &mut self.fishes[claim.eater.index()];
             eater.deeds.meals += 1;

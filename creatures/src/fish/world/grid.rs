@@ -20,6 +20,14 @@ pub struct Grid {
 }
 
 impl Grid {
+    /// With room for so many fishes in a tank, given by its half extents.
+    pub fn with_room(half: DVec3, fishes: usize) -> Grid {
+        // A cell more on either side, since a node may be pressed into a wall.
+        let cells = |half: f64| (2.0 * half / CELL) as usize + 3;
+        let starts = Vec::with_capacity(cells(half.x) * cells(half.y) + 1);
+        Grid { starts, fishes: Vec::with_capacity(fishes), ..Grid::default() }
+    }
+
     /// Sorts fishes, given in ascending order with where they are. Room is kept from step to step.
     pub fn sort(&mut self, fishes: impl Iterator<Item = (FishId, DVec3)> + Clone) {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);

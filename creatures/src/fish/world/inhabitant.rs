@@ -5,7 +5,7 @@ use crate::fish::behaviour::{Routines, SEARCH, Stage, avoid, escape, feed, schoo
 use crate::fish::habits::{Habits, Nature};
 use crate::fish::mechanics::TIME_STEP;
 use crate::fish::mind::{Cause, Drives, Fear, Intention, Memory, Mind, Situation, Target, decide};
-use crate::fish::perception::{Figure, Hazard, Preferences, Scene, Senses, focus};
+use crate::fish::perception::{Figure, Hazard, Horizon, Preferences, Room, Scene, Senses, focus};
 use crate::fish::{Body, Command, Swimmer};
 use crate::random::stream;
 use glam::DVec3;
@@ -85,17 +85,23 @@ impl Inhabitant {
         figure
     }
 
-    /// Perceives, feels, intends and acts, for one step. `near` is room for looking around.
-    pub fn live(&mut self, scene: &Scene<'_>, me: &Figure, near: &mut Vec<FishId>) -> Command {
+    /// Perceives, feels, intends and acts, for one step.
+    pub fn live(
+        &mut self,
+        scene: &Scene<'_>,
+        me: &Figure,
+        horizon: &mut Horizon,
+        room: &mut Room,
+    ) -> Command {
         // The habits are lent to the senses for as long as the step takes.
         let habits = self.habits.clone();
-        let senses = Senses { scene, me, habits: &habits };
+        let senses = horizon.scan(scene, me, &habits);
         let prey = self.mind.target.filter(|_| habits.nature == Nature::Predator);
-        let hazard = Hazard::of(&senses, self.mind.intention, prey, near);
+        let hazard = Hazard::of(&senses, self.mind.intention, prey, &mut room.near);
         let fear = self.feel(&senses);
         self.intend(&senses, hazard.is_some(), fear);
         self.mind.drives.pass(TIME_STEP);
-        self.act(&senses, hazard, fear, near)
+        self.act(&senses, hazard, fear, room)
     }
 
     /// Mental state.
@@ -163,13 +169,7 @@ impl Inhabitant {
     }
 
     /// The routine of the intention (A-68..A-84).
-    fn act(
-        &mut self,
-        senses: &Senses<'_>,
-        hazard: Option<Hazard>,
-        fear: Fear,
-        near: &mut Vec<FishId>,
-    ) -> Command {
+    fn act(&mut self, senses: &Senses<'_>, hazard: Option<Hazard>, fear: Fear, room: &mut Room) -> Command {
         let posture = self.swimmer.posture();
         let time = senses.scene.time;
         let routines = &mut self.routines;
@@ -177,11 +177,11 @@ impl Inhabitant {
         let wander = |routines: &mut Routines, swim| routines.wander.about(&posture, time, swim);
         match (self.mind.intention, hazard) {
             (Intention::Avoid, Some(Hazard::Surface(surface))) => {
-                let avoid = Preferences::of(senses, None, Some(surface.index), near);
+                let avoid = Preferences::of(senses, None, Some(surface.index), &mut room.near);
                 avoid::surface(senses, &posture, &surface, avoid)
             }
             (Intention::Avoid, Some(Hazard::Fish(id))) => {
-                let preferences = Preferences::of(senses, Some(id), None, near);
+                let preferences = Preferences::of(senses, Some(id), None, &mut room.near);
                 let other =
                     crate::fish::perception::Percept::new(senses.me, &senses.scene.figures[id.index()]);
                 avoid::fish(senses, &other, preferences)
@@ -191,14 +191,14 @@ impl Inhabitant {
                 None => school::alone(&posture),
             },
             (Intention::School, _) => {
-                let kept = school::keep(senses, &mut routines.chase, &posture);
+                let kept = school::keep(senses, &mut routines.chase, &posture, &mut room.near);
                 kept.unwrap_or_else(|| match predator {
                     Some(predator) => Command { swim: 0.7, ..escape::from(senses, &predator) },
                     None => school::alone(&posture),
                 })
             }
             (Intention::Eat, _) => {
-                let chosen = focus::food(senses, self.mind.target, near);
+                let chosen = focus::food(senses, self.mind.target, room);
                 let target = chosen.map(|(target, _)| target);
                 if target != self.mind.target {
                     routines.chase.straight = false;

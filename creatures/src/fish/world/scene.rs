@@ -1,10 +1,10 @@
 //! What is seen of a world: the tank, what stands in it, the fishes and what they feed on. It moves and
 //! measures nothing.
 
-use super::{Aquarium, Obstacle};
+use super::{Aquarium, Event, Inhabitant, Obstacle};
 use crate::fish::habits::{Nature, Sex};
 use crate::fish::scene::{add_fish, nodes, water};
-use crate::record::{Frame, Part, Pose, Prop, Scene, Shape};
+use crate::record::{self, Frame, Happening, Mind, Part, Pose, Prop, Scene, Shape};
 use glam::DVec3;
 
 /// Everything of a trial: fishes in order of id, then particles.
@@ -20,7 +20,7 @@ pub(super) fn scene(aquarium: &Aquarium) -> Scene {
         add_fish(&mut scene, format!("{kind}_{id}"), &fish.swimmer.body);
     }
     let specks = (0..aquarium.particles.len()).map(|id| Part {
-        name: format!("food_{id}"),
+        name: speck(id),
         creature: None,
         shapes: vec![Shape::Point],
     });
@@ -62,5 +62,36 @@ pub(super) fn frame(aquarium: &Aquarium) -> Frame {
     Frame {
         centers: aquarium.fishes.iter().map(|fish| fish.swimmer.center_of_mass()).collect(),
         poses: fish.chain(specks).collect(),
+        muscles: aquarium.fishes.iter().map(|fish| fish.swimmer.actuation().to_vec()).collect(),
+        minds: aquarium.fishes.iter().map(mind).collect(),
     }
+}
+
+fn mind(fish: &Inhabitant) -> Option<Mind> {
+    let [hunger, libido, fear] = fish.mind.felt;
+    let intention = word(fish.mind.intention);
+    let courtship = word(fish.routines.courtship.stage);
+    fish.deeds.died.is_none().then_some(Mind { intention, hunger, libido, fear, courtship })
+}
+
+/// What happened in a step, as it is told.
+pub(super) fn event(aquarium: &Aquarium, event: Event) -> record::Event {
+    let (fish, happening) = match event {
+        Event::Change { fish, from, to, cause } => {
+            (fish, Happening::Intention { from: word(from), to: word(to), cause: word(cause) })
+        }
+        Event::Meal(fish, particle) => (fish, Happening::Meal { of: speck(particle.index()) }),
+        Event::Kill(by, fish) => (fish, Happening::Death { by: by.0 }),
+        Event::Mating(fish, with) => (fish, Happening::Mating { with: with.0 }),
+    };
+    record::Event { time: aquarium.time(), creature: fish.0, happening }
+}
+
+/// The name of a variant, in small letters.
+fn word(variant: impl std::fmt::Debug) -> String {
+    format!("{variant:?}").to_lowercase()
+}
+
+fn speck(id: usize) -> String {
+    format!("food_{id}")
 }

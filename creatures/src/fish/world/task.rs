@@ -6,11 +6,11 @@ use super::{
     Climate, Current, Currents, Environment, FishId, Inhabitant, Obstacle, Particle, ParticleId, Stuff, Tank,
     tank,
 };
-use crate::fish::Body;
 use crate::fish::habits::variation::{Focus, Settings};
 use crate::fish::habits::{Genotype, Habits, Nature, Sex};
 use crate::fish::mechanics::TIME_STEP;
 use crate::fish::task::life::Watch;
+use crate::fish::{Body, ControllerSet};
 use crate::random::{Stream, stream};
 use crate::{Cull, DecodeError, Observer, Outcome, Proof, SpecError, Task, read_spec};
 use glam::DVec3;
@@ -63,6 +63,9 @@ pub struct WorldTask {
     pub climate: Climate,
     /// Starts that are given rather than drawn.
     pub starts: Vec<Start>,
+    /// What every fish swims by, as it was learned; none for the hand-made controllers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub controllers: Option<ControllerSet>,
     /// What counts how much.
     pub weights: Weights,
 }
@@ -136,6 +139,7 @@ impl WorldTask {
             currents: Currents::default(),
             climate: Climate::default(),
             starts: Vec::new(),
+            controllers: None,
             weights: Weights::default(),
         }
     }
@@ -210,6 +214,9 @@ impl WorldTask {
         self.currents.check().map_err(|error| below("currents", error))?;
         self.climate.check().map_err(|error| below("climate.", error))?;
         self.check_weights()?;
+        if let Some(Err(error)) = self.controllers.as_ref().map(ControllerSet::check) {
+            return refuse("controllers", error.to_string());
+        }
         self.check_starts(fishes)
     }
 
@@ -290,7 +297,11 @@ impl WorldTask {
             taken.push((place, habits.length()));
             let size = habits.size;
             let body = bodies.entry(size.to_bits()).or_insert_with(|| Arc::new(Body::published(size)));
-            fishes.push(Inhabitant::new(id, habits, Arc::clone(body), place, heading, seed, trial));
+            let mut fish = Inhabitant::new(id, habits, Arc::clone(body), place, heading, seed, trial);
+            if let Some(set) = &self.controllers {
+                fish.swimmer = fish.swimmer.taught(set);
+            }
+            fishes.push(fish);
         }
         fishes
     }

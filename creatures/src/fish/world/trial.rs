@@ -112,6 +112,9 @@ impl<'a> Trial<'a> {
                 return Err(lost.fault.into());
             }
             self.note_events();
+            for &event in &self.aquarium.events {
+                watch.event(|| scene::event(&self.aquarium, event));
+            }
             watch.frame(self.aquarium.steps, || scene::frame(&self.aquarium));
             watch.count(|| worth(self.bound()))?;
         }
@@ -124,6 +127,7 @@ impl<'a> Trial<'a> {
                 Event::Meal(..) => self.counts.meals += 1,
                 Event::Kill(..) => self.counts.kills += 1,
                 Event::Mating(..) => self.counts.matings += 1,
+                Event::Change { .. } => {}
             }
         }
     }

@@ -96,6 +96,8 @@ struct Counts {
     touches: u32,
     /// Whether he is at the point, and has to leave it before he touches again.
     touching: bool,
+    /// Steps that he has stood still before her without touching it.
+    waited: u32,
     /// Her change of heading, rad, left positive.
     turned: f64,
     /// Time and heading when last asked.
@@ -104,15 +106,13 @@ struct Counts {
     nuzzles: u32,
     /// Steps left of backing off.
     backing: u32,
-    /// Whether he makes for the abdomen rather than for the place below.
-    rising: bool,
 }
 
 impl Counts {
     /// He is so far from the loop's point, by L; whether he has touched it often enough.
     fn touch(&mut self, distance: f64) -> bool {
         if distance <= moves::TOUCH && !self.touching {
-            self.touching = true;
+            (self.touching, self.waited) = (true, 0);
             self.touches += 1;
         } else if distance > moves::REARM {
             self.touching = false;
@@ -134,12 +134,17 @@ impl Counts {
     /// He has touched the abdomen; whether that was the last time.
     fn nuzzle(&mut self) -> bool {
         self.nuzzles += 1;
-        (self.backing, self.rising) = (BACK_OFF, false);
+        self.backing = BACK_OFF;
         self.nuzzles >= NUZZLES
     }
 }
 
 impl Courtship {
+    /// Room for leaving so many partners alone.
+    pub fn make_room(&mut self, partners: usize) {
+        self.excluded.reserve(partners);
+    }
+
     /// Back to searching; those left alone stay so.
     pub fn reset(&mut self) {
         *self = Courtship {
@@ -172,7 +177,7 @@ impl Courtship {
         }
         self.advance(senses);
         let partner = self.last.clone().filter(|_| self.partner.is_some())?;
-        let command = moves::command(self, senses, &partner, chase, posture);
+        let command = moves::Dancer { senses, partner: &partner, chase, posture }.command(self);
         self.best = self.best.max(self.stage);
         Some(command)
     }
@@ -264,7 +269,7 @@ impl Courtship {
                 self.enter(Stage::Ascend, time);
             }
             Stage::Ascend if male && stage >= Stage::Nuzzle => self.enter(Stage::Nuzzle, time),
-            Stage::Ascend if !male && self.risen(senses) && me.forward.z.abs() < moves::LEVEL => {
+            Stage::Ascend if !male && self.risen(senses) && is_ready(senses) => {
                 self.enter(Stage::Nuzzle, time)
             }
             Stage::Nuzzle if self.counts.nuzzles >= NUZZLES => self.enter(Stage::Done, time),
@@ -284,6 +289,16 @@ impl Courtship {
         }
         (self.stage, self.since) = (stage, time);
     }
+}
+
+/// Whether a female may stop: she is level, since a hovering fish cannot change its pitch, and has room for a male
+/// who comes from any side, since near a wall he avoids it rather than nuzzles (Choice).
+fn is_ready(senses: &Senses<'_>) -> bool {
+    let (me, scene) = (senses.me, senses.scene);
+    let walls = scene.tank.contacts(me.center).into_iter().filter(|contact| contact.normal.z == 0.0);
+    let solids = scene.obstacles.iter().map(|solid| solid.contact(me.center));
+    me.forward.z.abs() < moves::LEVEL
+        && walls.chain(solids).all(|contact| contact.distance >= moves::ROOM * me.length())
 }
 
 #[cfg(test)]

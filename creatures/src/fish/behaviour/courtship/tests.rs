@@ -198,6 +198,62 @@ fn each_follows_the_stage_that_the_other_shows() {
     court(&pond, 1, &mut female);
     assert_eq!(female.stage, Stage::Ascend, "she levels out first");
     pond.figures[1].forward = DVec3::NEG_Y;
+    pond.figures[1].center.x = 165.0;
+    court(&pond, 1, &mut female);
+    assert_eq!(female.stage, Stage::Ascend, "nor does she stop within two body lengths of a wall");
+    pond.figures[1].center.x = 155.0;
     court(&pond, 1, &mut female);
     assert_eq!(female.stage, Stage::Nuzzle);
+}
+
+/// A pair side by side along y, his mouth off a point of hers: the loop's centre or her abdomen.
+fn pair_at(off: DVec3, stage: Stage) -> Pond {
+    let mut pond = Pond::empty();
+    pond.add_of(pacifist(Sex::Female, 1.0), DVec3::ZERO, 0.0);
+    let her = &pond.figures[0];
+    let point = match stage {
+        Stage::Loop => her.mouth + DVec3::new(0.0, 20.0, 5.0),
+        _ => her.abdomen,
+    };
+    let mouth = Posture::new(&Body::published(1.0).rest).mouth();
+    pond.add_of(pacifist(Sex::Male, 1.0), point + off - mouth, 0.0);
+    for (fish, partner) in [(0, 1), (1, 0)] {
+        (pond.figures[fish].partner, pond.figures[fish].stage) = (Some(FishId(partner)), stage);
+    }
+    pond
+}
+
+/// he touches from below, backs off until she is ahead of him again, and then comes anew.
+#[test]
+fn a_touch_from_below_counts_and_is_followed_by_backing_off() {
+    let mut male = Courtship { stage: Stage::Nuzzle, partner: Some(FishId(0)), ..Courtship::default() };
+    let mut nuzzle = |off| {
+        let command = court(&pair_at(off, Stage::Nuzzle), 1, &mut male).unwrap();
+        (male.counts.nuzzles, command.stroke > 0.0)
+    };
+    assert_eq!(nuzzle(DVec3::new(0.0, -2.0, -0.4)), (0, false), "level with it");
+    assert_eq!(nuzzle(DVec3::new(0.0, -2.5, -1.8)), (0, false), "3.1 away");
+    let below = DVec3::new(0.0, -1.0, -2.0);
+    for _ in 0..200 {
+        assert_eq!(nuzzle(below), (1, true), "one touch, and off");
+    }
+    let off = DVec3::new(0.0, -6.5, -2.0);
+    assert_eq!(nuzzle(off), (1, true), "the last step of backing off");
+    assert_eq!(nuzzle(off), (1, false));
+    assert_eq!(nuzzle(below), (2, true));
+}
+
+/// who has stopped where the point never passes swims off after one period of it.
+#[test]
+fn a_male_who_waits_in_vain_comes_anew() {
+    // He has his back to her, and goes by how she looked.
+    let last = Some(pair_at(DVec3::ZERO, Stage::Loop).figures.remove(0));
+    let mut male = Courtship { stage: Stage::Loop, partner: Some(FishId(0)), last, ..Courtship::default() };
+    let mut swims = |off| court(&pair_at(off, Stage::Loop), 1, &mut male).unwrap().swim > 0.0;
+    let beside = DVec3::new(4.0, 0.0, 0.0);
+    for step in 0..218 {
+        assert!(!swims(beside), "step {step}");
+    }
+    assert!(swims(beside) && swims(DVec3::new(21.0, 0.0, 0.0)));
+    assert!(!swims(beside), "he has been away");
 }

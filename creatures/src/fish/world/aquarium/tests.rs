@@ -346,11 +346,11 @@ fn a_school_splits_round_a_post_and_joins_again() {
     assert!(rejoined.contains(&true), "{rejoined:?}");
 }
 
-/// a pair alone goes as far as nuzzling; how many mate is told.
+/// a pair alone in the tank goes through the whole ritual, in at least three of four starts.
 #[test]
 #[ignore = "half a minute; its figures stand in docs/systems/fishes.md"]
-fn a_pair_alone_gets_to_nuzzling() {
-    let (mut matings, mut nuzzling) = (0, 0);
+fn a_pair_alone_mates() {
+    let mut matings = 0;
     for seed in 0..4u32 {
         let pacifist = |sex| Habits { digestion: 0.0003, ..Habits::published(Nature::Pacifist, sex) };
         let mut draws = stream(u64::from(seed), [0, 0, 0], "pair");
@@ -372,9 +372,7 @@ fn a_pair_alone_gets_to_nuzzling() {
         });
         eprintln!("seed {seed}: {story:?}, end {end:.0}");
         matings += aquarium.fishes[1].deeds.matings;
-        nuzzling += u32::from(aquarium.fishes[0].best_stage() >= Stage::Nuzzle);
         assert_eq!(aquarium.fishes[0].deeds.matings, aquarium.fishes[1].deeds.matings);
     }
-    eprintln!("{matings} of 4 pairs mated");
-    assert!(nuzzling >= 3, "{nuzzling} of 4 pairs nuzzled");
+    assert!(matings >= 3, "{matings} of 4 pairs mated");
 }

@@ -1,8 +1,10 @@
 use super::*;
 use crate::fish::Fish;
 use crate::fish::habits::{Habits, Sex};
+use crate::record::{Happening, Keeper, Recording};
 use crate::{Cull, Interim, Nobody, Status, System, Task};
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 
 fn table(scenario: &str, keys: Value) -> Value {
     let mut table = json!({"scenario": scenario, "trials": 1, "duration": 20.0});
@@ -54,6 +56,51 @@ fn prey_without_predators_are_worth_their_time_and_meals() {
     let expected =
         1.0 + 0.05 * measure(&outcome, "meals") / 5.0 - 0.001 * measure(&outcome, "contact_steps") / 5.0;
     assert!((outcome.fitness - expected).abs() < 1e-12, "{}", outcome.fitness);
+}
+
+/// a set that was learned takes the place of the hand-made controllers, in every fish, and is checked.
+#[test]
+fn fishes_of_a_world_swim_by_what_was_learned() {
+    let set = serde_json::to_value(crate::fish::controller_set::tests::set()).unwrap();
+    let published = published(Focus::Prey);
+    let [hand_made, learned, again] = [json!({}), json!({"controllers": set}), json!({"controllers": set})]
+        .map(|keys| live(&*task("prey", keys), &published, 1));
+    assert_ne!(measure(&hand_made, "state_hash"), measure(&learned, "state_hash"));
+    assert_eq!(learned.digest(), again.digest());
+    let mut broken = set;
+    broken["swims"][1]["measured"] = json!(-1.0);
+    let refused = Fish.resolve(table("prey", json!({"controllers": broken}))).unwrap_err();
+    assert_eq!(refused.path, "controllers", "{refused}");
+    assert!(refused.problem.contains("swims[1].measured"), "{refused}");
+}
+
+/// who watches a trial hears every change of intention, of the fish that was of the intention before,
+/// and sees muscles at work.
+#[test]
+fn changes_of_intention_and_muscles_are_told() {
+    let task = task("prey", json!({"duration": 60.0}));
+    let mut keeper = Keeper::new(0, 40);
+    let outcome = task.evaluate(&published(Focus::Prey), 1, None, &mut keeper).unwrap();
+    let Recording { scene, shots } = keeper.recording().unwrap();
+    let mut intentions = vec!["wander".to_owned(); scene.creatures.len()];
+    let (mut changes, mut causes) = (0, BTreeSet::new());
+    for (time, event) in shots.iter().flat_map(|shot| shot.events.iter().map(|event| (shot.time, event))) {
+        assert!(event.time <= time + 40.0 * scene.step && event.time > time - 40.0 * scene.step);
+        let Happening::Intention { from, to, cause } = &event.happening else { continue };
+        let held = &mut intentions[event.creature as usize];
+        assert_eq!(from, held, "at {}", event.time);
+        held.clone_from(to);
+        changes += 1;
+        causes.insert(cause.clone());
+    }
+    assert_eq!(f64::from(changes), measure(&outcome, "intention_changes"));
+    assert!(causes.contains("collision") && causes.contains("desire"), "{causes:?}");
+    let last = &shots.last().unwrap().frame;
+    for ((mind, intention), muscles) in last.minds.iter().zip(&intentions).zip(&last.muscles) {
+        assert!(mind.as_ref().is_none_or(|mind| mind.intention == *intention));
+        assert_eq!(muscles.len(), scene.muscles.len());
+        assert!(muscles.iter().all(|u| (0.0..=1.0).contains(u)) && muscles.iter().any(|&u| u > 0.0));
+    }
 }
 
 /// AF-11
