@@ -25,14 +25,14 @@ pub(super) struct Room {
 }
 
 /// Draws axes over all of an area.
-pub(super) fn draw<'a, B: DrawingBackend>(
+pub(super) fn draw<'a, B>(
     area: &DrawingArea<B, Shift>,
     Extent { last, bottom, top }: Extent,
     room: Room,
     values: &str,
 ) -> anyhow::Result<Chart<'a, B>>
 where
-    B: 'a,
+    B: DrawingBackend + 'a,
     B::ErrorType: 'static,
 {
     let top = if top > bottom { top + 0.05 * (top - bottom) } else { bottom + 1.0 };
