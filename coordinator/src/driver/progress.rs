@@ -167,8 +167,8 @@ impl Progress {
         }
         if run.stage_name != of.named.name {
             run.stage_name.clone_from(&of.named.name);
-            run.generations = of.named.generations;
         }
+        run.generations = of.named.generations;
         let (size, done) = of.generation.progress();
         (run.stage, run.generation, run.size, run.done) = (of.named.number, of.generation.number, size, done);
         if let Some((id, fitness)) = of.generation.best()

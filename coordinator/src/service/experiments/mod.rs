@@ -62,7 +62,7 @@ impl ExperimentsService {
                 let id = summary.id;
                 let mut rendered = render_summary(summary);
                 if let Some(progress) = self.driver.progress(id) {
-                    bring_up_to_date(&mut rendered, &progress.counts());
+                    bring_up_to_date(&mut rendered, &progress.counts().runs);
                 }
                 if rendered.state == State::Running.word() && rendered.reason.is_empty() {
                     rendered.reason = self.driver.held_up();

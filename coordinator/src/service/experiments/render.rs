@@ -1,6 +1,6 @@
 //! Experiments as they go onto the wire. Values in, values out.
 
-use crate::driver::{Counts, Ended};
+use crate::driver::{Ended, RunProgress as Live};
 use crate::lineage::{RunProgress, StoredChoice, Summary};
 use proto::v1;
 use search::Problem;
@@ -67,13 +67,14 @@ fn render_run(run: RunProgress) -> v1::Run {
 }
 
 /// Outcomes reach the lineage a moment after the driver.
-pub(super) fn bring_up_to_date(rendered: &mut v1::Experiment, counts: &Counts) {
+pub(super) fn bring_up_to_date(rendered: &mut v1::Experiment, live: &[Live]) {
     for run in &mut rendered.progress {
-        let Some(live) = counts.runs.get(run.run as usize - 1) else { continue };
+        let Some(live) = live.get(run.run as usize - 1) else { continue };
         if live.stage > run.stage {
-            // Nothing of the stage was written yet when the lineage was read.
-            (run.stage, run.stage_name) = (live.stage, live.stage_name.clone());
-            (run.best, run.best_individual, run.generations) = (None, 0, live.generations.unwrap_or(0));
+            // Nothing of the stage was written yet when the lineage was read: what it said is of another one.
+            let (stage, stage_name) = (live.stage, live.stage_name.clone());
+            let generations = live.generations.unwrap_or(0);
+            *run = v1::Run { run: run.run, stage, stage_name, generations, ..Default::default() };
         }
         if (live.stage, live.generation) >= (run.stage, run.generation) {
             (run.generation, run.size, run.done) = (live.generation, live.size as u32, live.done as u32);
@@ -121,3 +122,6 @@ pub(super) fn render_problem(problem: &Problem) -> v1::Problem {
         column: problem.column,
     }
 }
+
+#[cfg(test)]
+mod tests;
