@@ -103,7 +103,7 @@ fn text(of: &IndividualReply) -> String {
             )
         }),
     );
-    say("task", of.task.clone());
+    say("task", task(&of.task));
     say("seed", of.seed.to_string());
     for attempt in &of.attempts {
         say(
@@ -119,6 +119,23 @@ fn text(of: &IndividualReply) -> String {
         );
     }
     facts(&lines)
+}
+
+/// The task as it is written, but of a syllabus only what is tested: the rest is the experiment's (`--json` has it).
+fn task(text: &str) -> String {
+    let task = json::parsed(text);
+    let (Some(skills), Some(tests)) = (task["skill"].as_array(), task["tests"].as_array()) else {
+        return text.to_owned();
+    };
+    let test = |test: &Value| {
+        let skill = test["skill"].as_str().unwrap_or("?");
+        let kind = test["fitness"]["kind"].as_str().map_or(String::new(), |kind| format!(" by {kind}"));
+        let least = test["stop_below"].as_f64();
+        let least = least.map_or(String::new(), |least| format!(", not below {}", number::figure(least)));
+        format!("{skill}{kind}{least}")
+    };
+    let tests: Vec<_> = tests.iter().map(test).collect();
+    format!("tests {} (of a syllabus of {} skills)", tests.join("; "), skills.len())
 }
 
 fn place(of: &IndividualReply) -> String {
@@ -166,5 +183,15 @@ mod tests {
             ..Default::default()
         };
         insta::assert_snapshot!(text(&individual));
+    }
+
+    #[test]
+    fn of_a_syllabus_the_tests_alone_are_shown() {
+        let syllabus = r#"{"skill": [{"id": "walk", "fitness": {"kind": "locomotion"}}, {"id": "turn"}],
+            "tests": [{"skill": "walk", "stop_below": 0.25, "fitness": {"kind": "locomotion", "seconds": 10}},
+            {"skill": "turn", "fitness": {"kind": "turn"}}], "impacts": {}}"#;
+        let shown = "tests walk by locomotion, not below 0.2500; turn by turn (of a syllabus of 2 skills)";
+        assert_eq!(task(syllabus), shown);
+        assert_eq!(task(r#"{"body":"crawler"}"#), r#"{"body":"crawler"}"#);
     }
 }

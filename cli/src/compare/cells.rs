@@ -10,6 +10,11 @@ use serde::Deserialize;
 use crate::connect::Cells as Row;
 use crate::exit::Failure;
 
+mod skills;
+
+/// The kind of search whose stages are skills.
+const SYLLABUS: &str = "syllabus";
+
 /// One experiment as a cell of the comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Cell {
@@ -25,6 +30,8 @@ pub(crate) struct Cell {
     pub(crate) world: u64,
     /// What moves, and whatever else the cells of a matrix differ in besides the method.
     pub(crate) body: String,
+    /// The skill, of a syllabus: the cell is then that skill's alone.
+    pub(crate) skill: Option<String>,
     /// The kind of its search.
     pub(crate) method: String,
     /// Its resolved task without the body: cells that are tested against each other have it in common.
@@ -130,6 +137,7 @@ pub(crate) fn cells(experiments: &[Row], stages: &[Row], generations: &[Row]) ->
             run.generations.push(generation);
         }
     }
+    let mut made = Vec::new();
     let whole = |(mut cell, runs): (Cell, BTreeMap<u64, (u64, Run)>)| {
         cell.runs = runs.into_values().map(|(_, run)| run).collect();
         for run in &mut cell.runs {
@@ -137,7 +145,14 @@ pub(crate) fn cells(experiments: &[Row], stages: &[Row], generations: &[Row]) ->
         }
         cell
     };
-    Ok(cells.into_values().map(whole).collect())
+    for cell in cells.into_values().map(whole) {
+        let skills = match cell.method.as_str() {
+            SYLLABUS => skills::skills(&cell, stages, generations)?,
+            _ => Vec::new(),
+        };
+        made.extend(if skills.is_empty() { vec![cell] } else { skills });
+    }
+    Ok(made)
 }
 
 /// A generation that has ended; none while it is open.
@@ -181,6 +196,7 @@ fn cell(experiment: u64, row: &Row) -> Result<Cell, Failure> {
         system: row.text("system")?.to_owned(),
         world: row.count("system_version")?,
         body,
+        skill: None,
         settings: task,
         method: row.text("search")?.to_owned(),
         profile: profile(row.text("resolved")?),
@@ -245,6 +261,7 @@ pub(crate) mod tests {
             system: "walker".into(),
             world: 1,
             body: body.into(),
+            skill: None,
             method: method.into(),
             settings: serde_json::json!({"phi": 10.0, "theta": 2.0}),
             profile: String::new(),
@@ -320,6 +337,28 @@ pub(crate) mod tests {
         assert_eq!(cell.runs[0].generations.iter().map(|g| g.best).collect::<Vec<_>>(), [8.0, 9.0]);
         assert!(cell.culling());
         assert_eq!((cell.generations(), cell.population()), (Some(2), Some(80)));
+    }
+
+    #[test]
+    fn the_skills_of_a_syllabus_are_cells_of_their_own() {
+        let row = experiment(4, "{}").with("search", text("syllabus")).with("task", text(""));
+        let named = |name: &str, number, ended| stage(1, number, ended).with("name", text(name));
+        let stages = [
+            named("walk", 0, true),
+            named("walk: measure", 1, true),
+            named("turn", 2, true),
+            named("turn: reconcile walk", 3, false),
+        ];
+        let generations = [
+            generation(1, 0, 1, 1.0),
+            generation(1, 1, 1, 2.0),
+            generation(1, 2, 2, 9.0),
+            generation(1, 2, 1, 8.0),
+        ];
+        let made = cells(&[row], &stages, &generations).unwrap();
+        let [walk, turn] = &made[..] else { panic!("two skills: {made:?}") };
+        assert_eq!((walk.skill.as_deref(), walk.results()), (Some("walk"), vec![1.0]));
+        assert_eq!((turn.body.as_str(), turn.results()), ("turn", vec![9.0]));
     }
 
     #[test]

@@ -66,9 +66,14 @@ pub(crate) fn curve(cell: &Cell) -> Curve {
 impl Curve {
     /// The first generation at which the best reaches 99 % of its final value (G-68).
     pub(crate) fn plateau(&self) -> Option<u64> {
+        self.reaches(0.99)
+    }
+
+    /// The first generation at which the best reaches a share of its final value (ESP R-2).
+    pub(crate) fn reaches(&self, share: f64) -> Option<u64> {
         let last = self.points.last()?.best;
-        // A hundredth of the size below it, so that a curve that ends below zero levels off as well.
-        let level = last - 0.01 * last.abs();
+        // A part of the size below it, so that a curve that ends below zero levels off as well.
+        let level = last - (1.0 - share) * last.abs();
         self.points.iter().find(|point| point.best >= level).map(|point| point.generation)
     }
 }
@@ -140,5 +145,6 @@ mod tests {
         assert_eq!(of(&[0.0, 0.0]).plateau(), Some(1));
         assert_eq!(of(&[-20.0, -10.05, -10.0]).plateau(), Some(2), "also below zero");
         assert_eq!(of(&[]).plateau(), None);
+        assert_eq!(of(&[0.5, 0.89, 0.91, 1.0]).reaches(0.9), Some(3));
     }
 }

@@ -2,6 +2,8 @@
 //! not match. A plain value, printed by `text` and as JSON with the same names. It fills no gap: what cannot
 //! be said is absent.
 
+use std::collections::BTreeSet;
+
 use search::experiment::Published;
 use serde::Serialize;
 
@@ -70,6 +72,12 @@ pub(crate) struct CellRow {
     pub(crate) max: Option<f64>,
     /// The generation at which the averaged best reaches 99 % of its final value (G-68).
     pub(crate) plateau: Option<u64>,
+    /// The skill, of a syllabus.
+    pub(crate) skill: Option<String>,
+    /// The generations that it was given, of a skill.
+    pub(crate) generations: Option<u64>,
+    /// That at which the averaged best reaches 90 % of its final value, of a skill (ESP R-2).
+    pub(crate) reaches_90_percent: Option<u64>,
     /// The published mean.
     pub(crate) paper: Option<f64>,
     /// Our mean over the published one.
@@ -160,7 +168,16 @@ pub(crate) fn report(cells: &[Cell]) -> Report {
         }
     }
     let all: Vec<_> = cells.iter().collect();
-    let unlike = mismatches(&all);
+    // What differs between skills is no fault of theirs.
+    let mut unlike = Vec::new();
+    for skill in cells.iter().map(|cell| &cell.skill).collect::<BTreeSet<_>>() {
+        let of_skill: Vec<_> = all.iter().copied().filter(|cell| &cell.skill == skill).collect();
+        for what in mismatches(&of_skill) {
+            if !unlike.contains(&what) {
+                unlike.push(what);
+            }
+        }
+    }
     if !unlike.is_empty() && !notes.iter().any(|note| note.contains("cells differ")) {
         notes.push(format!("cells differ in {}", unlike.join(" and ")));
     }
@@ -203,6 +220,9 @@ impl CellRow {
             min: None,
             max: None,
             plateau: None,
+            skill: None,
+            generations: None,
+            reaches_90_percent: None,
             paper: None,
             ours_over_paper: None,
         }
@@ -219,6 +239,9 @@ impl CellRow {
             min: sample.map(|sample| sample.min),
             max: sample.map(|sample| sample.max),
             plateau: curve.plateau(),
+            skill: cell.skill.clone(),
+            generations: cell.skill.as_ref().and_then(|_| cell.generations()),
+            reaches_90_percent: cell.skill.as_ref().and_then(|_| curve.reaches(0.9)),
             paper,
             ours_over_paper: sample.zip(paper).map(|(sample, paper)| sample.mean / paper),
             ..CellRow::missing(&cell.body, &cell.method)
@@ -449,6 +472,17 @@ mod tests {
         let report = report(&[finished("arm", "grn", &[1.0]), finished("arm", "neat", &[2.0])]);
         assert!(!report.complete);
         assert_eq!(report.notes[0], "arm grn: a test takes two runs or more");
+    }
+
+    #[test]
+    fn skills_may_differ_in_generations_and_tell_when_they_reach_90_per_cent() {
+        let skill = |name: &str| Cell { skill: Some(name.into()), ..finished(name, "syllabus", &[3.0, 5.0]) };
+        let mut turn = skill("turn");
+        turn.runs.iter_mut().for_each(|run| run.planned = Some(7));
+        let report = report(&[skill("walk"), turn]);
+        assert!(report.complete, "{:?}", report.notes);
+        let rows: Vec<_> = report.cells.iter().map(|row| (row.generations, row.reaches_90_percent)).collect();
+        assert_eq!(rows, [(Some(2), Some(2)), (Some(7), Some(2))]);
     }
 
     #[test]

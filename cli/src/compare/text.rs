@@ -49,8 +49,9 @@ fn heading(report: &Report) -> String {
 
 fn cells(report: &Report) -> String {
     let has_paper = report.cells.iter().any(|row| row.paper.is_some());
+    let has_skills = report.cells.iter().any(|row| row.skill.is_some());
     let mut columns = vec![
-        Column::Left("body"),
+        Column::Left(if has_skills { "skill" } else { "body" }),
         Column::Left("method"),
         Column::Right("runs"),
         Column::Right("mean best"),
@@ -59,27 +60,39 @@ fn cells(report: &Report) -> String {
         Column::Right("max"),
         Column::Right("plateau"),
     ];
+    if has_skills {
+        columns.extend([Column::Right("90 %"), Column::Right("generations")]);
+    }
     if has_paper {
         columns.extend([Column::Bar, Column::Right("paper"), Column::Right("ours/paper")]);
     }
-    table(&columns, report.cells.iter().map(|row| cell(row, has_paper)))
+    table(&columns, report.cells.iter().map(|row| cell(row, has_skills, has_paper)))
 }
 
-fn cell(row: &CellRow, has_paper: bool) -> Vec<String> {
+fn cell(row: &CellRow, has_skills: bool, has_paper: bool) -> Vec<String> {
     let runs = match row.runs {
         runs if runs == row.runs_planned => runs.to_string(),
         runs => format!("{runs} of {}", row.runs_planned),
+    };
+    // A skill's fitness is seldom more than 1.
+    let figure = |value: Option<f64>| match row.skill {
+        Some(_) => value.map_or_else(absent, |value| format!("{value:.3}")),
+        None => hundredths(value),
     };
     let mut cells = vec![
         row.body.clone(),
         row.method.clone(),
         runs,
-        hundredths(row.mean_best),
-        hundredths(row.sd),
-        hundredths(row.min),
-        hundredths(row.max),
+        figure(row.mean_best),
+        figure(row.sd),
+        figure(row.min),
+        figure(row.max),
         row.plateau.map_or_else(absent, |generation| generation.to_string()),
     ];
+    if has_skills {
+        let count = |count: Option<u64>| count.map_or_else(absent, |count| count.to_string());
+        cells.extend([count(row.reaches_90_percent), count(row.generations)]);
+    }
     if has_paper {
         cells.extend(["|".to_owned(), hundredths(row.paper), hundredths(row.ours_over_paper)]);
     }

@@ -96,6 +96,15 @@ impl Cells {
         }
     }
 
+    /// The same row with a cell more, or with another value in it, for tests.
+    #[cfg(test)]
+    pub(crate) fn with(self, column: &str, kind: Kind) -> Cells {
+        let cells = self.columns.iter().cloned().zip(self.values).filter(|(name, _)| name != column);
+        let (columns, values): (Vec<_>, Vec<_>) =
+            cells.chain([(column.to_owned(), Value { kind: Some(kind) })]).unzip();
+        Cells { columns: columns.into(), values }
+    }
+
     /// Makes a cell NULL, for tests.
     #[cfg(test)]
     pub(crate) fn clear(&mut self, column: &str) {

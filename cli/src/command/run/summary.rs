@@ -1,5 +1,6 @@
 //! What a run came to, and what to ask next. It asks the coordinator while that is still there.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
@@ -26,6 +27,16 @@ pub(super) struct Summary {
 struct Ended {
     experiment: Experiment,
     best: Option<Best>,
+    /// Its stages, in order, if it has several: what is best of one says nothing of another.
+    stages: Vec<Stage>,
+}
+
+/// The best of a stage over all runs.
+#[derive(Debug, Clone, PartialEq)]
+struct Stage {
+    name: String,
+    individual: u64,
+    fitness: f64,
 }
 
 /// Its best individual.
@@ -49,7 +60,12 @@ pub(super) async fn gather(of: &Conducted, db: &Path, elapsed: Duration) -> Resu
     for &id in &of.experiments {
         let request = GetRequest { experiment: id.to_string() };
         let experiment = of.connection.experiments().get(within(PROMPT, request)).await?.into_inner();
-        experiments.push(Ended { experiment, best: best(&of.connection, id).await? });
+        let stages = stages(&of.connection, id).await?;
+        let mut best = best(&of.connection, id).await?;
+        if let Some(best) = best.as_mut().filter(|_| !stages.is_empty()) {
+            best.first = None; // of a stage that begins with what was learned before
+        }
+        experiments.push(Ended { experiment, best, stages });
     }
     let db = db.display().to_string();
     Ok(Summary { experiments, group: of.group.clone(), db, seconds: elapsed.as_secs_f64() })
@@ -70,6 +86,22 @@ async fn best(connection: &Connection, id: u64) -> Result<Option<Best>, Failure>
     Ok(Some(Best { individual: best.id, fitness, first }))
 }
 
+/// The best of every stage in which somebody is picked; none if there is one stage alone. What leads to a pick or
+/// measures it has a colon in its name.
+async fn stages(connection: &Connection, id: u64) -> Result<Vec<Stage>, Failure> {
+    let mut stages = BTreeMap::<u64, Stage>::new();
+    for row in connection.view("v_stages", Some(&id.to_string())).await?.collect().await? {
+        let name = row.text("name")?.to_owned();
+        let (Some(fitness), false) = (row.real("best")?, name.contains(": ")) else { continue };
+        let of = Stage { name, individual: row.count("best_individual")?, fitness };
+        let best = stages.entry(row.count("stage")?).or_insert_with(|| of.clone());
+        if fitness > best.fitness {
+            *best = of;
+        }
+    }
+    Ok(if stages.len() > 1 { stages.into_values().collect() } else { Vec::new() })
+}
+
 pub(super) fn show(summary: &Summary, output: Output) -> Result<(), Failure> {
     if output.json {
         return output.object(&document(summary));
@@ -86,6 +118,9 @@ fn document(summary: &Summary) -> serde_json::Value {
             "best": of.best.map(|best| best.fitness),
             "first_best": of.best.and_then(|best| best.first),
             "ratio": of.best.and_then(|best| best.ratio()),
+            "stages": of.stages.iter().map(|stage| json!({
+                "stage": stage.name, "best": stage.fitness, "best_individual": stage.individual,
+            })).collect::<Vec<_>>(),
             "evaluated": of.experiment.evaluated, "culled": of.experiment.culled,
             "aborted": of.experiment.aborted, "failed": of.experiment.failed,
         })
@@ -113,12 +148,21 @@ fn single(of: &Ended, summary: &Summary) -> String {
             best.ratio().map_or(String::new(), |ratio| format!(", {ratio:.2} times the first generation's"));
         format!("{} by individual {}{ratio}", number::figure(best.fitness), best.individual)
     });
-    facts(&[
-        ("finished", format!("{} (experiment {})", of.experiment.name, of.experiment.id)),
-        ("best", best),
-        ("evaluated", evaluated(&of.experiment, summary.seconds)),
-        ("lineage", summary.db.clone()),
-    ])
+    let mut lines = vec![("finished", format!("{} (experiment {})", of.experiment.name, of.experiment.id))];
+    if of.stages.is_empty() {
+        lines.push(("best", best));
+    }
+    lines.push(("evaluated", evaluated(&of.experiment, summary.seconds)));
+    lines.push(("lineage", summary.db.clone()));
+    let mut text = facts(&lines);
+    if !of.stages.is_empty() {
+        let columns = [Column::Left("stage"), Column::Right("best"), Column::Right("individual")];
+        let row = |stage: &Stage| {
+            vec![stage.name.clone(), number::figure(stage.fitness), stage.individual.to_string()]
+        };
+        text = format!("{text}\n\n{}", table(&columns, of.stages.iter().map(row)));
+    }
+    text
 }
 
 fn evaluated(of: &Experiment, seconds: f64) -> String {
@@ -196,7 +240,8 @@ mod tests {
             culled: 12,
             ..Default::default()
         };
-        Ended { experiment, best: Some(Best { individual: 4711, fitness: 61.25, first: Some(first) }) }
+        let best = Some(Best { individual: 4711, fitness: 61.25, first: Some(first) });
+        Ended { experiment, best, stages: vec![] }
     }
 
     fn summary(experiments: Vec<Ended>, group: &str) -> Summary {
@@ -206,6 +251,17 @@ mod tests {
     #[test]
     fn a_run_ends_with_what_it_came_to_and_what_to_ask_next() {
         insta::assert_snapshot!(text(&summary(vec![ended(1, 42.5)], "")));
+    }
+
+    #[test]
+    fn of_a_syllabus_every_skill_has_its_best() {
+        let stage = |name: &str, individual, fitness| Stage { name: name.into(), individual, fitness };
+        let stages = vec![stage("forward_locomotion", 310, 0.125), stage("left_turn", 4711, 0.75)];
+        let text = text(&summary(vec![Ended { stages, ..ended(1, 42.5) }], ""));
+        assert!(!text.contains("times the first"), "{text}");
+        for row in ["forward_locomotion", "0.1250", "310", "left_turn", "0.7500"] {
+            assert!(text.contains(row), "{text}");
+        }
     }
 
     #[test]
