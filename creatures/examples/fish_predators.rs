@@ -11,6 +11,16 @@ use creatures::random::stream;
 use glam::DVec3;
 use std::sync::Arc;
 
+/// What came of a hunt.
+struct Hunt {
+    /// Prey caught.
+    catches: u32,
+    /// From one living prey to another.
+    changes: u32,
+    /// Time of the first catch, if there was one.
+    first: Option<f64>,
+}
+
 /// Prey of a hunt, and how long it lasts.
 const PREY: u32 = 8;
 const DURATION: f64 = 300.0;
@@ -19,23 +29,20 @@ fn main() {
     let hunts: u64 = std::env::args().nth(1).and_then(|hunts| hunts.parse().ok()).unwrap_or(10);
     println!("persistence  prey caught  changes of prey  first catch, mean time of those with one");
     for persistence in [0.0, 40.0, 200.0] {
-        let results: Vec<(u32, u32, Option<f64>)> = (0..hunts).map(|seed| hunt(seed, persistence)).collect();
-        let mean = |of: &dyn Fn(&(u32, u32, Option<f64>)) -> f64| {
-            results.iter().map(of).sum::<f64>() / results.len() as f64
-        };
-        let first: Vec<f64> = results.iter().filter_map(|result| result.2).collect();
+        let results: Vec<Hunt> = (0..hunts).map(|seed| hunt(seed, persistence)).collect();
+        let mean = |of: &dyn Fn(&Hunt) -> f64| results.iter().map(of).sum::<f64>() / results.len() as f64;
+        let first: Vec<f64> = results.iter().filter_map(|hunt| hunt.first).collect();
         println!(
             "{persistence:11} {:12.1} {:16.1}  {:.0} ({} of {hunts})",
-            mean(&|result| f64::from(result.0)),
-            mean(&|result| f64::from(result.1)),
+            mean(&|hunt| f64::from(hunt.catches)),
+            mean(&|hunt| f64::from(hunt.changes)),
             first.iter().sum::<f64>() / first.len().max(1) as f64,
             first.len()
         );
     }
 }
 
-/// Prey caught, changes from one living prey to another, and the time of the first catch.
-fn hunt(seed: u64, persistence: f64) -> (u32, u32, Option<f64>) {
+fn hunt(seed: u64, persistence: f64) -> Hunt {
     let mut draws = stream(seed, [0, 0, 0], "hunt");
     let prey = Habits::published(Nature::Prey, Sex::Male);
     let predator = Habits { appetite: 20.0, persistence, ..Habits::published(Nature::Predator, Sex::Male) };
@@ -74,5 +81,5 @@ fn hunt(seed: u64, persistence: f64) -> (u32, u32, Option<f64>) {
             held = Some(now);
         }
     }
-    (aquarium.fishes[0].deeds.meals, changes, first)
+    Hunt { catches: aquarium.fishes[0].deeds.meals, changes, first }
 }
