@@ -3,6 +3,7 @@
 //! anew, after a change that is meant to move them.
 
 use std::fmt::Write;
+use std::path::Path;
 
 use hatchery_tests::command::{json, succeed};
 use hatchery_tests::programs::workspace;
@@ -25,13 +26,24 @@ fn fishes_give_the_golden_lineage() {
     compare("fishes", 2);
 }
 
+/// Ten skills, small and short, each of a task of its own, learned by who was picked for the one before (ESP E-92).
+#[test]
+fn esp_creatures_give_the_golden_lineage() {
+    let file = workspace().join("experiments/fight-or-flight.toml");
+    compare_file("esp", &file, &["--profile", "smoke"], "fight-or-flight", 1);
+}
+
 /// Runs `golden/NAME.toml`, a matrix called `golden`, and compares the hash of each cell with `golden/NAME.hashes`.
 fn compare(name: &str, cells: usize) {
-    let golden = workspace().join("tests/golden");
+    compare_file(name, &workspace().join(format!("tests/golden/{name}.toml")), &[], "golden", cells);
+}
+
+/// The same for any file, run with further arguments, and the experiment or matrix that it names.
+fn compare_file(name: &str, file: &Path, arguments: &[&str], named: &str, cells: usize) {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let file = golden.join(format!("{name}.toml"));
-    succeed(folder.path(), &["run", file.to_str().expect("a path of letters"), "--workers", "2"]);
-    let answer = json(folder.path(), &["hash", "golden"]);
+    let file = file.to_str().expect("a path of letters");
+    succeed(folder.path(), &[&["run", file, "--workers", "2"], arguments].concat());
+    let answer = json(folder.path(), &["hash", named]);
     let mut found = String::new();
     for cell in answer.as_array().unwrap_or_else(|| panic!("a list of hashes: {answer}")) {
         let name = cell["name"].as_str().expect("a cell has a name");
@@ -39,7 +51,7 @@ fn compare(name: &str, cells: usize) {
             .expect("a string takes all");
     }
     assert_eq!(found.lines().count(), cells, "{found}");
-    let hashes = golden.join(format!("{name}.hashes"));
+    let hashes = workspace().join(format!("tests/golden/{name}.hashes"));
     if std::env::var_os("UPDATE_GOLDEN").is_some() {
         std::fs::write(&hashes, &found).expect("the workspace is writable");
     }

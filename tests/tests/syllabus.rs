@@ -1,0 +1,247 @@
+//! The ten skills of `fight-or-flight.toml`, learned by real creatures under the smoke profile, in both modes: killed
+//! in every kind of sub-stage, and what they cost (ESP E-60, E-69, E-85, E-92, T-12, T-13, R-3, R-4). The two skills of
+//! `high-reach.toml`: begun with a creature that was brought along, and forked (E-86, E-90).
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use hatchery_tests::programs::workspace;
+use hatchery_tests::{Hatchery, command, local};
+use search::{Experiment, Overrides};
+
+/// The file, whose first skill keeps a phase of shaping under the smoke profile.
+fn shaped() -> String {
+    let file = workspace().join("experiments/fight-or-flight.toml");
+    let text = std::fs::read_to_string(file).expect("committed with the sources");
+    let shaped = text.replace("\nphase = []", "\nphase = [{ share = 0.5, speed_step = 0.01 }]");
+    assert_ne!(shaped, text, "the smoke profile has no phase of its own");
+    shaped
+}
+
+/// What is done in a stage, by its name and the skills that are learned before it.
+fn kind(stage: &str, mode: &str) -> &'static str {
+    let leaf = ["left_turn", "right_turn", "strike"].contains(&stage);
+    match stage.split_once(": ").map(|(_, part)| part.split(' ').next()) {
+        Some(Some("phase")) => "phase",
+        Some(Some("reconcile")) => "reconciliation",
+        Some(Some("measure")) => "measurement",
+        None if leaf && mode == "general" => "retest",
+        _ => "evolution",
+    }
+}
+
+/// Kills coordinator and workers in one stage after the other, as many as it finds at work, and compares.
+fn killed_everywhere(mode: &str, kinds: &[&'static str]) {
+    let set = vec![("search.mode".to_owned(), mode.to_owned())];
+    let overrides = Overrides { profile: Some("smoke".to_owned()), set };
+    let experiments = Experiment::parse(&shaped(), &overrides).unwrap_or_else(|e| panic!("{e:?}"));
+    let text = experiments[0].resolved();
+    let mut hatchery = Hatchery::with_workers(2);
+    hatchery.wait_attached(2);
+    let id = hatchery.submit(&text);
+    let mut seen = BTreeSet::new();
+    let mut next = 0;
+    loop {
+        let waited = hatchery.client().wait_until(id, |e| {
+            let run = &e.progress[..];
+            e.state == "finished" || run.iter().any(|run| !run.finished && run.stage >= next)
+        });
+        if waited.state == "finished" {
+            break;
+        }
+        hatchery.kill_coordinator();
+        hatchery.kill("w1");
+        hatchery.restart_coordinator();
+        hatchery.join("w1");
+        let run = &waited.progress[0];
+        seen.insert(kind(&run.stage_name, mode));
+        next = run.stage + 1;
+    }
+    hatchery.client().wait(id);
+    assert_eq!(hatchery.client().hash(id), local::lineage(&text), "killed in {seen:?}");
+    assert_eq!(seen, kinds.iter().copied().collect(), "every kind of sub-stage was killed");
+}
+
+#[test]
+fn fast_mode_killed_in_every_sub_stage_comes_to_the_same_lineage() {
+    killed_everywhere("fast", &["phase", "evolution", "measurement"]);
+}
+
+#[test]
+fn general_mode_killed_in_every_sub_stage_comes_to_the_same_lineage() {
+    killed_everywhere("general", &["phase", "evolution", "retest", "reconciliation", "measurement"]);
+}
+
+/// What one skill cost, and how many individuals were evaluated for it.
+#[derive(Debug, PartialEq)]
+struct Cost {
+    skill: String,
+    evaluated: u64,
+    new: u64,
+    retest: u64,
+    trials: u64,
+}
+
+/// Learns the ten skills with all their headings, where no loss of an older skill ends a test, and reads from the
+/// lineage what each has cost.
+fn costs(mode: &str, folder: &Path) -> Vec<Cost> {
+    let text = std::fs::read_to_string(workspace().join("experiments/fight-or-flight.toml"));
+    let text = text.expect("committed with the sources");
+    let all =
+        text.replace("\nfitness.headings = [0, 30, -30]", "").replace("\nfitness.headings = [0, 180]", "");
+    assert_eq!(text.lines().count() - all.lines().count(), 3, "the smoke profile leaves headings out");
+    std::fs::write(folder.join("ten.toml"), all).expect("the folder is writable");
+    let mode = format!("search.mode={mode}");
+    let never = "search.retest_tolerance=1.0";
+    let run = ["run", "ten.toml", "--profile", "smoke", "--workers", "2", "--set", &mode, "--set", never];
+    command::succeed(folder, &run);
+    let sql = "SELECT stage_name AS name, sum(individuals - inherited) AS evaluated, \
+        sum(notes ->> 'tests_new') AS new, sum(notes ->> 'tests_retest') AS retest, sum(notes ->> 'trials') AS trials \
+        FROM v_generations WHERE stage_name NOT LIKE '%: %' GROUP BY stage ORDER BY stage";
+    let cost = |row: serde_json::Value| {
+        let count = |key: &str| row[key].as_u64().unwrap_or_else(|| panic!("{key}: {row}"));
+        Cost {
+            skill: row["name"].as_str().expect("a stage has a name").to_owned(),
+            evaluated: count("evaluated"),
+            new: count("new"),
+            retest: count("retest"),
+            trials: count("trials"),
+        }
+    };
+    command::json_lines(folder, &["sql", sql]).into_iter().map(cost).collect()
+}
+
+/// T-12, for as many individuals as were evaluated: tests of older skills, and trials, of each of them.
+fn expected(skills: [(&str, u64, u64); 10], costs: &[Cost]) -> Vec<Cost> {
+    let cost = |((skill, retests, trials), cost): ((&str, u64, u64), &Cost)| Cost {
+        skill: skill.to_owned(),
+        evaluated: cost.evaluated,
+        new: cost.evaluated,
+        retest: retests * cost.evaluated,
+        trials: trials * cost.evaluated,
+    };
+    skills.into_iter().zip(costs).map(cost).collect()
+}
+
+/// R-3: each skill costs one test of each individual, however many were learned before it.
+#[test]
+fn fast_mode_tests_the_new_skill_alone() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let costs = costs("fast", folder.path());
+    let skills = [
+        ("forward_locomotion", 0, 1),
+        ("left_turn", 0, 1),
+        ("right_turn", 0, 1),
+        ("turn_to_light", 0, 4),
+        ("move_to_light", 0, 5),
+        ("strike", 0, 1),
+        ("attack", 0, 5),
+        ("turn_from_light", 0, 13),
+        ("retreat", 0, 13),
+        ("fight_or_flight", 0, 8),
+    ];
+    assert_eq!(costs, expected(skills, &costs));
+    assert!(costs.iter().all(|cost| cost.evaluated >= 6), "{costs:?}");
+}
+
+/// R-4: retests grow with the leaf skills, and end with them.
+#[test]
+fn general_mode_tests_older_skills_while_leaves_are_learned() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let costs = costs("general", folder.path());
+    let skills = [
+        ("forward_locomotion", 0, 1),
+        ("left_turn", 1, 2),
+        ("right_turn", 2, 3),
+        ("strike", 3, 4),
+        ("turn_to_light", 0, 4),
+        ("move_to_light", 0, 5),
+        ("attack", 0, 5),
+        ("turn_from_light", 0, 13),
+        ("retreat", 0, 13),
+        ("fight_or_flight", 0, 8),
+    ];
+    assert_eq!(costs, expected(skills, &costs));
+    assert!(costs.iter().all(|cost| cost.evaluated >= 6), "{costs:?}");
+}
+
+/// The file of the two skills, in one mode; with a change.
+fn reach(mode: &str, changed: impl Fn(String) -> String) -> String {
+    let file = workspace().join("experiments/high-reach.toml");
+    let text = std::fs::read_to_string(file).expect("committed with the sources");
+    let (before, after) = text.split_once("[matrix]").expect("it has both modes");
+    let (_, profile) = after.split_once("[profile.smoke]").expect("it has a smoke profile");
+    let search = before.replace("[search]\n", &format!("[search]\nmode = \"{mode}\"\n"));
+    changed(format!("{search}[profile.smoke]{profile}"))
+}
+
+/// E-90: both modes begin with one creature that walks already, and it walks there as it did.
+#[test]
+fn an_exported_creature_is_the_first_skill_of_both_modes() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("walk.toml"), reach("fast", |text| text))
+        .expect("the folder is writable");
+    command::succeed(folder.path(), &["run", "walk.toml", "--profile", "smoke", "--workers", "2"]);
+    let best = "SELECT individual FROM v_best WHERE stage = 0";
+    let walker = command::count(folder.path(), best).to_string();
+    let shown = command::succeed(folder.path(), &["show", &walker, "--json"]);
+    let bits = format!("SELECT fitness_bits FROM v_individuals WHERE id = {walker}");
+    let walks = command::count(folder.path(), &bits);
+
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("walker.json"), shown).expect("the folder is writable");
+    let file = workspace().join("experiments/high-reach.toml").display().to_string();
+    let run = ["run", &file, "--profile", "smoke", "--workers", "2", "--import", "walker.json"];
+    command::succeed(folder.path(), &run);
+    let stages = "SELECT experiment, name, individuals FROM v_stages ORDER BY experiment, stage";
+    let stages = command::json_lines(folder.path(), &["sql", stages]);
+    let of = |mode: u64| stages.iter().filter(move |stage| stage["experiment"] == mode);
+    let names = |mode| of(mode).filter_map(|stage| stage["name"].as_str()).collect::<Vec<_>>();
+    let [measure, reach] = ["forward_locomotion: measure", "high_reach"];
+    assert_eq!(names(1), [measure, reach, "high_reach: measure"]);
+    assert_eq!(names(2), [measure, reach, "high_reach: reconcile forward_locomotion", "high_reach: measure"]);
+    let walk = "SELECT count(*) FROM v_individuals WHERE stage = 0 AND fitness_bits = ";
+    assert_eq!(command::count(folder.path(), &format!("{walk}{walks}")), 2, "it walks in both as it did");
+    let parts = "SELECT count(DISTINCT measures ->> 'mass') FROM v_individuals WHERE experiment = 1 \
+        AND status = 'completed'";
+    assert_eq!(command::count(folder.path(), parts), 1, "in Fast mode its body stays as it is");
+    let parts = parts.replace("experiment = 1", "experiment = 2");
+    assert!(command::count(folder.path(), &parts) > 1, "in General mode it evolves");
+}
+
+/// E-86: a fork with a changed file goes on as if that had been the file from the start.
+#[test]
+fn a_fork_with_a_changed_file_comes_to_the_lineage_of_that_file() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).expect("the folder is writable");
+    };
+    let run =
+        |name: &str| command::run(folder.path(), &["run", name, "--profile", "smoke", "--workers", "2"]);
+    let changed = reach("general", |text| text.replace("target_height = 10.0", "target_height = 5.0"));
+    write("reach.toml", &reach("general", |text| text));
+    write("changed.toml", &changed);
+    write(
+        "walked.toml",
+        &reach("general", |text| text.replace("fitness.seconds = 3.0", "fitness.seconds = 2.5")),
+    );
+    assert_eq!(run("reach.toml").status.code(), Some(0));
+    let fork = |name: &str| {
+        let fork = ["fork", "1", "--after", "forward_locomotion: measure", name, "--profile", "smoke"];
+        command::run(folder.path(), &fork)
+    };
+    let refused = fork("walked.toml");
+    assert_eq!(refused.status.code(), Some(1), "{}", command::printed(&refused));
+    let words = command::printed(&refused);
+    assert!(words.contains("skill `forward_locomotion` has changed"), "{words}");
+    let forked = fork("changed.toml");
+    assert_eq!(forked.status.code(), Some(0), "{}", command::printed(&forked));
+    let finished = run("changed.toml");
+    assert_eq!(finished.status.code(), Some(0), "{}", command::printed(&finished));
+    let overrides = Overrides { profile: Some("smoke".to_owned()), set: vec![] };
+    let experiment = Experiment::parse(&changed, &overrides).unwrap_or_else(|e| panic!("{e:?}")).remove(0);
+    assert_eq!(command::hash(folder.path(), "2"), local::lineage(&experiment.resolved()));
+    assert_ne!(command::hash(folder.path(), "1"), command::hash(folder.path(), "2"));
+    let own = "SELECT min(stage) FROM v_individuals WHERE experiment = 2";
+    assert_eq!(command::count(folder.path(), own), 2, "what is shared is not copied");
+}
