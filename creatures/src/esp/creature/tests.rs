@@ -164,6 +164,32 @@ fn a_slack_creature_stays_where_it_settled() {
     }
 }
 
+/// E-23: as founders are drawn, whoever settles goes on lying where it settled.
+#[test]
+fn twenty_random_bodies_stay_where_they_settled() {
+    let syllabus = crate::esp::syllabus::tests::ten_skills().check().unwrap();
+    let first = crate::esp::syllabus::SkillId(0);
+    let (mut measured, mut drifts) = (0, Vec::new());
+    for index in 0..200 {
+        let draws = &mut crate::random::stream(1, [0, 0, index], "drift test");
+        let founder = crate::esp::Genotype::founder(first, &syllabus, draws).genotype;
+        let body = founder.body.develop().unwrap();
+        let Ok(mut creature) = Creature::spawn(&body, Physics::default(), Start::Rest) else { continue };
+        let slack = vec![0.0; body.muscles.len()];
+        let start = creature.state.centre;
+        (0..600).for_each(|_| creature.step(&slack).unwrap());
+        let drift = (creature.state.centre - start).length();
+        if drift > 0.05 {
+            drifts.push((index, drift));
+        }
+        measured += 1;
+        if measured == 20 {
+            break;
+        }
+    }
+    assert_eq!((measured, drifts), (20, vec![]), "founders that drifted, m");
+}
+
 /// E-20: what rolls by itself when its trial should begin has no trial, and what is at rest begins it at rest.
 #[test]
 fn a_roll_from_the_spawn_does_not_score() {
