@@ -111,58 +111,55 @@ fn costs(mode: &str, folder: &Path) -> Vec<Cost> {
     command::json_lines(folder, &["sql", sql]).into_iter().map(cost).collect()
 }
 
-/// T-12, for as many individuals as were evaluated: tests of older skills, and trials, of each of them.
-fn expected(skills: [(&str, u64, u64); 10], costs: &[Cost]) -> Vec<Cost> {
-    let cost = |((skill, retests, trials), cost): ((&str, u64, u64), &Cost)| Cost {
-        skill: skill.to_owned(),
+/// Trials of a test of each skill, in the order of the file (T-12).
+const TRIALS: [(&str, u64); 10] = [
+    ("forward_locomotion", 1),
+    ("left_turn", 1),
+    ("right_turn", 1),
+    ("turn_to_light", 4),
+    ("move_to_light", 5),
+    ("strike", 1),
+    ("attack", 5),
+    ("turn_from_light", 13),
+    ("retreat", 13),
+    ("fight_or_flight", 8),
+];
+
+/// T-12, for as many individuals as were evaluated: what is learned in turn, by its place in the file, and the tests of
+/// older skills, all leaves of one trial, that each individual has before.
+fn expected(turns: [(usize, u64); 10], costs: &[Cost]) -> Vec<Cost> {
+    let cost = |((place, retests), cost): ((usize, u64), &Cost)| Cost {
+        skill: TRIALS[place].0.to_owned(),
         evaluated: cost.evaluated,
         new: cost.evaluated,
         retest: retests * cost.evaluated,
-        trials: trials * cost.evaluated,
+        trials: (retests + TRIALS[place].1) * cost.evaluated,
     };
-    skills.into_iter().zip(costs).map(cost).collect()
+    turns.into_iter().zip(costs).map(cost).collect()
+}
+
+/// Learns all in one mode, and compares.
+fn cost_as_expected(mode: &str, turns: [(usize, u64); 10]) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let costs = costs(mode, folder.path());
+    assert_eq!(costs, expected(turns, &costs));
+    assert_eq!(costs.len(), TRIALS.len());
+    assert!(costs.iter().all(|cost| cost.evaluated >= 6), "{costs:?}");
 }
 
 /// each skill costs one test of each individual, however many were learned before it.
 #[test]
 fn fast_mode_tests_the_new_skill_alone() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let costs = costs("fast", folder.path());
-    let skills = [
-        ("forward_locomotion", 0, 1),
-        ("left_turn", 0, 1),
-        ("right_turn", 0, 1),
-        ("turn_to_light", 0, 4),
-        ("move_to_light", 0, 5),
-        ("strike", 0, 1),
-        ("attack", 0, 5),
-        ("turn_from_light", 0, 13),
-        ("retreat", 0, 13),
-        ("fight_or_flight", 0, 8),
-    ];
-    assert_eq!(costs, expected(skills, &costs));
-    assert!(costs.iter().all(|cost| cost.evaluated >= 6), "{costs:?}");
+    cost_as_expected("fast", std::array::from_fn(|place| (place, 0)));
 }
 
 /// retests grow with the leaf skills, and end with them.
 #[test]
 fn general_mode_tests_older_skills_while_leaves_are_learned() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let costs = costs("general", folder.path());
-    let skills = [
-        ("forward_locomotion", 0, 1),
-        ("left_turn", 1, 2),
-        ("right_turn", 2, 3),
-        ("strike", 3, 4),
-        ("turn_to_light", 0, 4),
-        ("move_to_light", 0, 5),
-        ("attack", 0, 5),
-        ("turn_from_light", 0, 13),
-        ("retreat", 0, 13),
-        ("fight_or_flight", 0, 8),
-    ];
-    assert_eq!(costs, expected(skills, &costs));
-    assert!(costs.iter().all(|cost| cost.evaluated >= 6), "{costs:?}");
+    let leaves = [(0, 0), (1, 1), (2, 2), (5, 3)];
+    let others = [3, 4, 6, 7, 8, 9].map(|place| (place, 0));
+    let turns = [&leaves[..], &others[..]].concat().try_into().expect("ten skills");
+    cost_as_expected("general", turns);
 }
 
 /// The file of the two skills, in one mode; with a change.
