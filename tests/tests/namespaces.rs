@@ -13,7 +13,7 @@ use hatchery_tests::samples::walkers;
 use hatchery_tests::{Process, local};
 
 const POPULATION: u32 = 40;
-const GENERATIONS: u32 = 30;
+const GENERATIONS: u32 = 60;
 
 /// Namespaces `hN-c` and `hN-w1`, `hN-w2`, …, deleted when this is dropped.
 struct Network {
@@ -122,15 +122,24 @@ fn ip(arguments: &[&str]) -> bool {
     Command::new("ip").args(arguments).output().is_ok_and(|output| output.status.success())
 }
 
-/// Waits until so many more individuals are settled, or all of them.
-fn advance(folder: &Path, by: i64) {
-    let settled = || count(folder, "SELECT count(*) FROM v_individuals WHERE status <> 'pending'");
-    let all = i64::from(POPULATION * GENERATIONS);
-    let (goal, deadline) = ((settled() + by).min(all), Instant::now() + PATIENCE);
-    while settled() < goal {
-        assert!(Instant::now() < deadline, "the run stands still");
+/// Waits until a count in the lineage has come to a goal.
+fn wait(folder: &Path, query: &str, goal: i64) {
+    let deadline = Instant::now() + PATIENCE;
+    while count(folder, query) < goal {
+        assert!(Instant::now() < deadline, "waited in vain for {goal} of {query}");
         std::thread::sleep(Duration::from_millis(20));
     }
+}
+
+/// Waits until so many workers are attached: a fault that comes before them meets nothing.
+fn attach(folder: &Path, workers: i64) {
+    wait(folder, "SELECT count(*) FROM v_workers WHERE left_ms IS NULL", workers);
+}
+
+/// Waits until so many more individuals are settled, or all of them.
+fn advance(folder: &Path, by: i64) {
+    let settled = "SELECT count(*) FROM v_individuals WHERE status <> 'pending'";
+    wait(folder, settled, (count(folder, settled) + by).min(i64::from(POPULATION * GENERATIONS)));
 }
 
 #[test]
@@ -155,6 +164,8 @@ fn cut_links_and_kills_on_a_real_network_cost_time_and_nothing_else() {
     let keeper = keeper;
     let mut coordinator = network.coordinator(folder, &keeper);
     let mut workers: Vec<Process> = (1..=3).map(|number| network.worker(folder, &keeper, number)).collect();
+    network.ask(&keeper, &["workers"]);
+    attach(folder, 3);
     network.ask(&keeper, &["submit", &file.to_string_lossy()]);
     advance(folder, 15);
 
