@@ -71,6 +71,7 @@ impl Genotype {
     }
 
     /// As [`Genotype::begin_skill`], after 1 to 3 mutation events: every other individual of a later stage (E-42).
+    /// Where receptors alone may grow it has one or two more to begin with.
     pub fn begin_skill_varied(
         &self,
         skill: SkillId,
@@ -159,7 +160,13 @@ impl Breeding<'_> {
     }
 
     fn begin(&self, parent: &Genotype, events: usize, stream: &mut Stream) -> Drawn {
-        let grown = self.grow(parent.body.clone(), events, stream)?;
+        let mut body = parent.body.clone();
+        let mut operators = Vec::new();
+        if self.scope.begins_with_eyes() {
+            operators = body.add_eyes(self.scope, self.skill, stream);
+        }
+        let mut grown = self.grow(body, events, stream)?;
+        grown.operators.splice(0..0, operators);
         let mut begun = parent.brain.clone();
         begun.begin(self.skill, &grown.instances, self.syllabus, stream);
         loop {

@@ -38,6 +38,12 @@ impl<'a> Scope<'a> {
         self == Scope::Everything
     }
 
+    /// Whether a creature begins the skill with receptors of its own: one that may see, on a body that stays. A
+    /// receptor that is added later is of no use until it is wired, and lost before that as often as not.
+    pub(super) fn begins_with_eyes(self) -> bool {
+        matches!(self, Scope::Added { grow } if grow.contains(&Growth::Photoreceptors))
+    }
+
     /// The share of mutation events that are of the body (E-41).
     pub(super) fn body_share(self) -> f64 {
         match self {

@@ -87,6 +87,25 @@ fn a_later_skill_begins_on_the_chosen_body_with_something_to_drive() {
     assert!((20..160).contains(&grown), "{grown} of 200 have another muscle");
 }
 
+/// E-42: a skill that may look begins with eyes, on as many bodies as begin it by chance.
+#[test]
+fn a_skill_that_may_grow_receptors_begins_with_one() {
+    let syllabus = syllabus();
+    let chosen = learned(2, 3, &syllabus);
+    let skill = SkillId(3);
+    let first = chosen.begin_skill(skill, &syllabus, &mut draws(2, 2)).genotype;
+    assert_eq!(first.body, chosen.body, "individual 0 stays as it was");
+    let scope = Scope::Added { grow: &[Growth::Photoreceptors] };
+    for index in 0..100 {
+        let child = chosen.begin_skill_varied(skill, scope, &syllabus, &mut draws(3, index));
+        assert_eq!(child.operators[..2], ["begin", "add_receptor"]);
+        let removed = child.operators.iter().filter(|&&name| name == "remove_receptor").count();
+        let own = child.genotype.body.segments.iter().flat_map(|gene| &gene.receptors);
+        assert!(own.filter(|gene| gene.owner == skill).count() + removed > 0, "{:?}", child.operators);
+        child.genotype.check(&syllabus).unwrap();
+    }
+}
+
 /// E-41
 #[test]
 fn the_scope_says_how_many_events_are_of_the_body() {

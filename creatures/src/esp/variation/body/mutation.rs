@@ -10,6 +10,10 @@ use crate::esp::syllabus::{Growth, SkillId};
 use crate::esp::variation::Scope;
 use crate::esp::variation::draw::{pick, stir, turn, turn_direction};
 use crate::random::Stream;
+use std::ops::RangeInclusive;
+
+/// Receptors with which a creature starts a skill that may grow them.
+const FIRST_EYES: RangeInclusive<usize> = 1..=2;
 
 /// The kinds of event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -248,6 +252,23 @@ impl Body {
         operator.apply(self, scope, skill, stream);
         self.delete_unreachable();
         Some(operator.name())
+    }
+
+    /// One or two random receptors for a skill that begins, as far as there is room, and the names of these events.
+    pub(in crate::esp::variation) fn add_eyes(
+        &mut self,
+        scope: Scope,
+        skill: SkillId,
+        stream: &mut Stream,
+    ) -> Vec<&'static str> {
+        let mut added = Vec::new();
+        for _ in 0..stream.within(*FIRST_EYES.start(), *FIRST_EYES.end()) {
+            if Operator::AddReceptor.is_legal(self, scope) {
+                Operator::AddReceptor.apply(self, scope, skill, stream);
+                added.push(Operator::AddReceptor.name());
+            }
+        }
+        added
     }
 }
 

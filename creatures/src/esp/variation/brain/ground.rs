@@ -14,7 +14,7 @@ pub(super) struct Ground<'a> {
     pub(super) body: &'a Instances,
     sensors: &'a [Sensor],
     uses: &'a [SkillId],
-    drives_body: bool,
+    pub(super) drives_body: bool,
 }
 
 impl<'a> Ground<'a> {

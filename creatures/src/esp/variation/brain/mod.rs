@@ -21,9 +21,9 @@ pub const FIRST_NODES: RangeInclusive<usize> = 3..=10;
 pub const NEW_NODES: RangeInclusive<usize> = 2..=6;
 
 impl Brain {
-    /// Adds a random control for a skill, open (E-42): the first of a brain has 3 to 10 nodes and at least one
-    /// that oscillates, a later one 2 to 6. Each target is driven with probability 1/2, and at least one is if
-    /// there is any.
+    /// Adds a random control for a skill, open (E-42): the first of a brain has 3 to 10 nodes, a later one 2 to 6,
+    /// and in one that drives muscles at least one oscillates. Each target is driven with probability 1/2, and at
+    /// least one is if there is any.
     ///
     /// The skill is of the syllabus and has no control yet; the skills that it uses are encapsulated.
     pub fn begin(&mut self, skill: SkillId, body: &Instances, syllabus: &Syllabus, stream: &mut Stream) {
@@ -32,7 +32,7 @@ impl Brain {
         let count = stream.within(*nodes.start(), *nodes.end());
         let ground = Ground::of(&control, body, syllabus);
         control.nodes = (0..count).map(|_| ground.random_node(count, stream)).collect();
-        if nodes == FIRST_NODES {
+        if ground.drives_body {
             let sine = NodeKind::Sinusoidal { frequency: 0.1, phase: 0.0 };
             control.nodes[0] = Node { kind: ground::redraw(sine, stream), inputs: Vec::new() };
         }

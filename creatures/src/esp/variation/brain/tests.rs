@@ -20,6 +20,10 @@ fn learning(seed: u64, skills: u16, syllabus: &Syllabus) -> Brain {
     brain
 }
 
+fn oscillates(control: &Control) -> bool {
+    control.nodes.iter().any(|node| matches!(node.kind, NodeKind::Sinusoidal { .. }))
+}
+
 /// E-42
 #[test]
 fn a_skill_begins_with_some_nodes_and_drives_something() {
@@ -29,8 +33,13 @@ fn a_skill_begins_with_some_nodes_and_drives_something() {
         let brain = learning(seed, 1, &syllabus);
         let control = &brain.controls[0];
         assert!(FIRST_NODES.contains(&control.nodes.len()) && !control.outputs.is_empty());
-        assert!(control.nodes.iter().any(|node| matches!(node.kind, NodeKind::Sinusoidal { .. })));
+        assert!(oscillates(control));
         brain.check(&syllabus).unwrap();
+
+        assert!(
+            oscillates(&learning(seed, 2, &syllabus).controls[1]),
+            "a later leaf skill drives muscles too"
+        );
 
         let brain = learning(seed, 7, &syllabus);
         let control = &brain.controls[6];
