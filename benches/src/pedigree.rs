@@ -74,7 +74,7 @@ pub async fn make(path: &Path, size: Size) -> anyhow::Result<Made> {
             let individuals = search.ask();
             let begun = Instant::now();
             let opened = OpenGeneration {
-                stage: InStage::Open(stage),
+                stage: InStage::Open(stage, 0),
                 generation,
                 checkpoint,
                 culling: None,

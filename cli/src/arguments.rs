@@ -317,7 +317,7 @@ pub(crate) struct Best {
     #[arg(value_name = "ID")]
     pub(crate) experiment: String,
     /// How many, best first
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) limit: u32,
     /// Whom to ask.
     #[command(flatten)]

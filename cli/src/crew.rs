@@ -182,6 +182,10 @@ impl Roster {
         if !is_log_wanted() {
             command.env("HATCHERY_LOG", "error");
         }
+        // What is set for the workers of another coordinator is not meant for these.
+        for setting in worker::command::SETTINGS {
+            command.env_remove(setting);
+        }
         command.spawn()
     }
 

@@ -8,18 +8,23 @@ use proto::dial::FRAME_SIZE_MAX;
 use serde_json::json;
 use tokio::net::TcpListener;
 use tokio::sync::broadcast::error::RecvError;
-use tokio::sync::{broadcast, oneshot};
+use tokio::sync::{broadcast, oneshot, watch};
 use tokio::task::{JoinHandle, JoinSet};
 use tonic::transport::Server;
 use tonic::transport::server::TcpIncoming;
+use tonic_health::ServingStatus;
+use tonic_health::server::HealthReporter;
 
 use crate::credentials::{Credentials, FolderError, Guard};
 use crate::driver::{Driver, ResumeError};
 use crate::fleet::{Change, Fleet, FleetSettings, Quarantine, SetAside};
-use crate::lineage::{Event, Lineage, OpenError};
+use crate::lineage::{Event, Health, Lineage, OpenError};
 use crate::service::experiments::ExperimentsService;
 use crate::service::lineage::LineageService;
 use crate::{Config, service};
+
+/// The longest that a call may take to answer, or a stream to begin.
+const CALL_WITHIN: Duration = Duration::from_secs(600);
 
 /// Why a coordinator does not start.
 #[derive(Debug, thiserror::Error)]
@@ -30,6 +35,16 @@ pub enum StartError {
          --credentials DIR, or listen on a loopback address"
     )]
     Insecure(SocketAddr),
+    /// Every worker would be silent for too long.
+    #[error(
+        "--timeout-ms {timeout_ms} ends leases before the second heartbeat: it has to be twice --heartbeat-ms {heartbeat_ms}"
+    )]
+    Impatient {
+        /// How often a worker shows that it is alive.
+        heartbeat_ms: u32,
+        /// How long it may be silent.
+        timeout_ms: u32,
+    },
     /// The credentials cannot be used.
     #[error("cannot use the credentials")]
     Credentials(#[from] FolderError),
@@ -69,7 +84,7 @@ pub struct Running {
     stop: oneshot::Sender<()>,
     server: JoinHandle<Result<(), tonic::transport::Error>>,
     /// Ends when this is dropped.
-    scrapes: JoinSet<()>,
+    chores: JoinSet<()>,
     driver: Driver,
     fleet: Fleet,
     lineage: Lineage,
@@ -83,6 +98,10 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
     if !config.listen.ip().is_loopback() && config.credentials.is_none() {
         return Err(StartError::Insecure(config.listen));
     }
+    let (heartbeat_ms, timeout_ms) = (config.heartbeat_ms, config.timeout_ms);
+    if timeout_ms < 2 * heartbeat_ms {
+        return Err(StartError::Impatient { heartbeat_ms, timeout_ms });
+    }
     let credentials = config.credentials.as_deref().map(Credentials::open).transpose()?;
     let lineage = Lineage::open(&config.db).await?;
     let listen_error = |source| StartError::Listen { address: config.listen, source };
@@ -92,8 +111,8 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
         .await
         .expect("the fingerprint of a sound build does not panic; a test says so");
     let fleet = Fleet::start(FleetSettings {
-        heartbeat_ms: config.heartbeat_ms,
-        timeout_ms: config.timeout_ms,
+        heartbeat_ms,
+        timeout_ms,
         version: env!("CARGO_PKG_VERSION").to_owned(),
         fingerprint,
         lineage: lineage.identity(),
@@ -102,20 +121,18 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
     tokio::spawn(note_workers(fleet.changes(), lineage.clone()));
     let driver = Driver::start(lineage.clone(), fleet.clone(), fingerprint).await?;
 
-    let mut scrapes = JoinSet::new();
+    let mut chores = JoinSet::new();
     let mut metrics = None;
     if let Some(address) = config.metrics {
         let refused = |source| StartError::Listen { address, source };
         let listener = TcpListener::bind(address).await.map_err(refused)?;
         metrics = Some(listener.local_addr().map_err(refused)?);
-        scrapes.spawn(crate::metrics::serve(listener, driver.clone(), config.db.clone()));
+        chores.spawn(crate::metrics::serve(listener, driver.clone(), config.db.clone()));
     }
 
     let (health, health_service) = tonic_health::server::health_reporter();
-    health.set_service_status("", tonic_health::ServingStatus::Serving).await;
-    for name in ["Fleet", "Experiments", "Lineage", "Evaluation"] {
-        health.set_service_status(format!("hatchery.v1.{name}"), tonic_health::ServingStatus::Serving).await;
-    }
+    health.set_service_status("", ServingStatus::Serving).await;
+    chores.spawn(tell_health(health, lineage.health()));
     let reflection = tonic_reflection::server::Builder::configure()
         .register_encoded_file_descriptor_set(proto::DESCRIPTORS)
         .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
@@ -123,7 +140,7 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
         .expect("the descriptors are those that the build compiled");
     let (stop, stopped) = oneshot::channel::<()>();
     let (tls, keyring) = credentials.map(|Credentials { tls, keyring }| (tls, keyring)).unzip();
-    let mut server = Server::builder();
+    let mut server = Server::builder().timeout(CALL_WITHIN);
     if let Some(tls) = tls {
         server = server.tls_config(tls)?;
     }
@@ -137,7 +154,7 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
         .add_service(service::fleet(fleet.clone()))
         .add_service(service::evaluation(fleet.clone()))
         .add_service(ExperimentsService::new(driver.clone()).into_server())
-        .add_service(LineageService::new(lineage.reader().clone()).into_server());
+        .add_service(LineageService::new(lineage.clients().clone()).into_server());
     let incoming = TcpIncoming::from(listener).with_nodelay(Some(true));
     let server = tokio::spawn(router.serve_with_incoming_shutdown(incoming, async move {
         // A dropped sender is a stop as well.
@@ -150,7 +167,7 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
     let credentials = config.credentials.as_deref().map(|folder| folder.display().to_string());
     let scraped = metrics.map(|address| address.to_string());
     tracing::info!(%address, db = %config.db.display(), metrics = scraped, credentials, "listening");
-    Ok(Running { address, metrics, stop, server, scrapes, driver, fleet, lineage })
+    Ok(Running { address, metrics, stop, server, chores, driver, fleet, lineage })
 }
 
 impl Running {
@@ -172,7 +189,7 @@ impl Running {
     /// Stops handing out, commits what has arrived, says goodbye to the workers, closes the lineage.
     /// Experiments stay `running` in it and are taken up at the next start.
     pub async fn shutdown(mut self) {
-        self.scrapes.shutdown().await;
+        self.chores.shutdown().await;
         self.driver.stop().await;
         self.fleet.goodbye().await;
         let _ = self.stop.send(());
@@ -182,6 +199,23 @@ impl Running {
         }
         if let Err(error) = self.lineage.close().await {
             tracing::warn!(%error, "the lineage was not closed in order; what is committed is safe");
+        }
+    }
+}
+
+/// Tells probes of each service whether it is of use: none is while nothing reaches the disk. The process as a
+/// whole (the empty name) is alive all the same, and to restart it would mend nothing.
+async fn tell_health(reporter: HealthReporter, mut lineage: watch::Receiver<Health>) {
+    loop {
+        let status = match *lineage.borrow_and_update() {
+            Health::Good => ServingStatus::Serving,
+            Health::Stuck { .. } => ServingStatus::NotServing,
+        };
+        for name in ["Fleet", "Experiments", "Lineage", "Evaluation"] {
+            reporter.set_service_status(format!("hatchery.v1.{name}"), status).await;
+        }
+        if lineage.changed().await.is_err() {
+            return; // the lineage is closed
         }
     }
 }

@@ -53,8 +53,8 @@ impl Culling {
 
     /// The cutoff of the generation after the given one: `fraction` of the final measure of its least fit
     /// individual, the lowest index among equals. Only completed evaluations count; without any there is no
-    /// cutoff and nobody is culled (F-53, F-55). A cutoff of fitness is never negative (F-54): a fifth of a
-    /// negative fitness would lie above it.
+    /// cutoff and nobody is culled (F-53, F-55). A share of a negative measure would lie above it: of fitness
+    /// the cutoff is then 0 (F-54), of any other measure it is the measure itself.
     pub fn cutoff(&self, previous: &[Option<Outcome>], interim_measure: &str) -> Option<f64> {
         previous
             .iter()
@@ -62,8 +62,11 @@ impl Culling {
             .filter(|outcome| outcome.status == Status::Completed)
             .min_by(|a, b| a.fitness.total_cmp(&b.fitness)) // the first of equals
             .and_then(|least| final_measure(least, interim_measure))
-            .map(|measure| if interim_measure == "fitness" && measure < 0.0 { 0.0 } else { measure })
-            .map(|measure| self.fraction * measure)
+            .map(|measure| match (measure < 0.0, interim_measure) {
+                (false, _) => self.fraction * measure,
+                (true, "fitness") => 0.0,
+                (true, _) => measure,
+            })
     }
 
     /// Whether the individual of a place is of the control sample.
@@ -133,6 +136,13 @@ mod tests {
         let theta = Culling::default().cutoff(&previous, "fitness");
         assert_eq!(theta, Some(0.0));
         assert_eq!([verdict(theta, -0.001), verdict(theta, 0.0)], [Verdict::Cull, Verdict::Pass]);
+    }
+
+    /// A walker's distance is negative where it walked back (walker G-61).
+    #[test]
+    fn a_negative_measure_is_a_cutoff_as_it_is() {
+        let previous = [outcome(Status::Completed, 0.0, -20.0), outcome(Status::Completed, 3.0, 3.0)];
+        assert_eq!(Culling::default().cutoff(&previous, "distance"), Some(-20.0), "and not -4, above it");
     }
 
     #[test]

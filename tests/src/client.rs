@@ -203,6 +203,19 @@ impl Client {
         }
     }
 
+    /// Whether a service, as in `hatchery.v1.Fleet`, tells probes that it is of use.
+    pub fn serves(&self, service: &str) -> bool {
+        use tonic_health::pb::{
+            HealthCheckRequest, health_check_response::ServingStatus, health_client::HealthClient,
+        };
+        let request = HealthCheckRequest { service: service.to_owned() };
+        let reply = self.ask(|channel| {
+            let request = request.clone();
+            async move { HealthClient::new(channel).check(request).await }
+        });
+        reply.expect("health answers").into_inner().status() == ServingStatus::Serving
+    }
+
     /// Who is attached.
     pub fn workers(&self) -> Vec<v1::WorkerInfo> {
         let reply =

@@ -5,11 +5,12 @@
 
 use std::path::Path;
 use std::sync::LazyLock;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use hatchery_tests::command::{hatchery, json, json_lines, printed, run, start, succeed};
+use hatchery_tests::client::PATIENCE;
+use hatchery_tests::command::{count, hatchery, json, json_lines, printed, run, start, succeed};
 use hatchery_tests::programs::program;
-use hatchery_tests::samples::{culled, walkers};
+use hatchery_tests::samples::{culled, probe, walkers};
 use hatchery_tests::{Hatchery, local};
 use rustix::process::Signal;
 use tempfile::TempDir;
@@ -295,6 +296,34 @@ fn ctrl_c_commits_says_how_to_resume_and_exits_with_130() {
     assert!(committed >= 40, "the first generation is on disk: {committed}");
     succeed(folder.path(), &arguments);
     assert_eq!(hatchery_tests::command::hash(folder.path(), "last"), local::lineage(&text));
+}
+
+#[test]
+fn a_matrix_goes_on_with_the_cells_that_have_not_finished() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let text = probe(9, 20, 1, 1000) + "[matrix]\n\"search.generations\" = [1, 60]\n";
+    std::fs::write(folder.path().join("two.toml"), text).expect("writable");
+    let again = ["run", "two.toml", "--workers", "1"];
+    let mut first = start(folder.path(), &again);
+    let deadline = Instant::now() + PATIENCE;
+    let finished = || {
+        let listed = run(folder.path(), &["list", "--json"]).stdout;
+        let listed: serde_json::Value = serde_json::from_slice(&listed).unwrap_or_default();
+        listed.as_array().is_some_and(|cells| cells.iter().any(|cell| cell["state"] == "finished"))
+    };
+    while !finished() {
+        assert!(Instant::now() < deadline, "neither cell finished");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    first.kill();
+    succeed(folder.path(), &again);
+    let cells = "SELECT count(*) FROM v_experiments";
+    assert_eq!(
+        (count(folder.path(), cells), count(folder.path(), &format!("{cells} WHERE state = 'finished'"))),
+        (2, 2)
+    );
+    succeed(folder.path(), &again);
+    assert_eq!(count(folder.path(), cells), 4, "a matrix that has finished as a whole is made anew");
 }
 
 #[test]

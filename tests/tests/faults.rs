@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use hatchery_tests::client::PATIENCE;
+use hatchery_tests::programs::program;
 use hatchery_tests::samples::{probe, walkers};
 use hatchery_tests::{Hatchery, Process, command, local};
 use rustix::process::Signal;
@@ -119,9 +120,20 @@ fn a_worker_of_other_physics_or_another_release_is_refused_with_both_shown() {
 }
 
 #[test]
+fn a_coordinator_that_would_lose_every_worker_does_not_start() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut command = std::process::Command::new(program("hatchery-coordinator"));
+    command.args(["--heartbeat-ms", "1000", "--timeout-ms", "1500", "--listen", "127.0.0.1:0", "--db"]);
+    let output = command.arg(folder.path().join("none.db")).output().expect("it was built");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && said.contains("--timeout-ms 1500"), "{said}");
+    assert!(!folder.path().join("none.db").exists());
+}
+
+#[test]
 fn a_second_coordinator_on_the_same_lineage_is_refused() {
     let hatchery = Hatchery::new();
-    let mut command = std::process::Command::new(hatchery_tests::programs::program("hatchery-coordinator"));
+    let mut command = std::process::Command::new(program("hatchery-coordinator"));
     command.arg("--db").arg(hatchery.db()).args(["--listen", "127.0.0.1:0"]);
     let mut second = Process::start(&mut command, &hatchery.folder().join("second.log"));
     assert_eq!(second.wait(Duration::from_secs(20)).code(), Some(1));
@@ -139,7 +151,7 @@ fn a_lineage_of_a_newer_program_is_refused_and_left_as_it_is() {
     let mut bytes = std::fs::read(hatchery.db()).expect("the lineage is a file");
     bytes[60..64].copy_from_slice(&9999u32.to_be_bytes());
     std::fs::write(hatchery.db(), &bytes).expect("the folder is writable");
-    let mut command = std::process::Command::new(hatchery_tests::programs::program("hatchery-coordinator"));
+    let mut command = std::process::Command::new(program("hatchery-coordinator"));
     command.arg("--db").arg(hatchery.db()).args(["--listen", "127.0.0.1:0"]);
     let mut newer = Process::start(&mut command, &hatchery.folder().join("newer.log"));
     assert_eq!(newer.wait(Duration::from_secs(20)).code(), Some(1));
@@ -164,7 +176,7 @@ fn a_read_only_lineage_is_refused_by_name_can_be_read_and_goes_on_once_it_is_wri
     hatchery.kill("w1");
     assert!(disk.remount("ro"), "nobody writes to it any more");
     let elsewhere = tempfile::tempdir().expect("a temporary folder");
-    let mut command = std::process::Command::new(hatchery_tests::programs::program("hatchery-coordinator"));
+    let mut command = std::process::Command::new(program("hatchery-coordinator"));
     command.arg("--db").arg(hatchery.db()).args(["--listen", "127.0.0.1:0"]);
     let mut refused = Process::start(&mut command, &elsewhere.path().join("refused.log"));
     assert_eq!(refused.wait(Duration::from_secs(20)).code(), Some(1));
@@ -193,9 +205,12 @@ fn a_full_disk_pauses_the_run_with_a_word_and_room_lets_it_go_on() {
     std::fs::write(&ballast, vec![0u8; 64 << 20]).expect_err("the disk is smaller");
     let stuck = hatchery.client().wait_until(id, |e| e.reason.contains("full") || e.state == "finished");
     assert!(stuck.reason.contains("full"), "it says what holds it up: {stuck:#?}");
+    let serves = |service| hatchery.client().serves(service);
+    assert!(!serves("hatchery.v1.Fleet") && serves(""), "no use for now, and no reason to be restarted");
     std::fs::remove_file(&ballast).expect("it was written");
     assert!(disk.remount("size=256m"));
     hatchery.client().wait(id);
+    assert!(serves("hatchery.v1.Fleet"));
     assert_eq!(hatchery.client().hash(id), local::lineage(&text));
 }
 

@@ -21,6 +21,10 @@ const USAGE: u8 = 2;
 /// Interrupted by a second signal.
 const INTERRUPTED: i32 = 130;
 
+/// What the environment may say of how a worker works; where its coordinator is, is another matter.
+pub const SETTINGS: [&str; 5] =
+    ["HATCHERY_SLOTS", "HATCHERY_WORKER", "HATCHERY_TIME_LIMIT", "HATCHERY_IDLE_TIMEOUT", "HATCHERY_GRACE"];
+
 /// What a worker's command line says.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Arguments {

@@ -129,6 +129,11 @@ pub(super) async fn conduct(
             tracing::warn!(experiment = %id, reason, "the lineage is closed");
             None
         }
+        // Nothing is wrong with the experiment: it goes on when the file can be read again.
+        Err(ConductError::Read(error)) => {
+            tracing::error!(experiment = %id, %error, "the experiment rests");
+            Some((State::Paused, format!("{error}; when that is mended: `hatchery resume {id}`")))
+        }
         Err(error) => {
             tracing::error!(experiment = %id, %error, "the experiment cannot go on");
             Some((State::Failed, error.to_string()))

@@ -190,7 +190,11 @@ impl Driver {
         let active = self.active().remove(&id);
         if let Some(active) = active {
             active.control.cancel().await;
-            active.conducting.abort();
+            ended(active.conducting).await;
+            let state = self.shared.lineage.reader().experiment(id).await?.state;
+            if !state.is_unfinished() {
+                return Err(ControlError::Ended(id, state)); // meanwhile, by itself
+            }
         }
         self.settle_state(id, State::Cancelled, "cancelled by hand").await?;
         Ok(())
@@ -221,11 +225,7 @@ impl Driver {
         let active = std::mem::take(&mut *self.active());
         for (_, active) in active {
             active.control.pause().await;
-            let mut conducting = active.conducting;
-            // A lineage that cannot be written must not keep the process from ending.
-            if tokio::time::timeout(std::time::Duration::from_secs(10), &mut conducting).await.is_err() {
-                conducting.abort();
-            }
+            ended(active.conducting).await;
         }
         let flush = self.shared.lineage.flush();
         if !matches!(tokio::time::timeout(std::time::Duration::from_secs(10), flush).await, Ok(Ok(()))) {
@@ -293,6 +293,13 @@ impl Driver {
 
     fn active(&self) -> std::sync::MutexGuard<'_, BTreeMap<ExperimentId, Active>> {
         self.shared.active.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Waits until what was settled is written; a lineage that cannot be written is not waited for.
+async fn ended(mut conducting: JoinHandle<()>) {
+    if tokio::time::timeout(std::time::Duration::from_secs(10), &mut conducting).await.is_err() {
+        conducting.abort();
     }
 }
 

@@ -270,9 +270,11 @@ impl Conductor {
         };
         let generation = previous.map_or(1, |previous| previous.number + 1);
         let (stage, close, ends) = match &behind {
-            Behind::Nothing(Some(stage)) => (InStage::Open(*stage), None, None),
+            Behind::Nothing(Some(stage)) => (InStage::Open(*stage, named.number), None, None),
             Behind::Nothing(None) | Behind::Ended(..) => (new(), None, None),
-            Behind::Told(of) if previous.is_some() => (InStage::Open(of.stage), Some(of.close.clone()), None),
+            Behind::Told(of) if previous.is_some() => {
+                (InStage::Open(of.stage, named.number), Some(of.close.clone()), None)
+            }
             Behind::Told(of) => {
                 let (stage, close) = (of.stage, of.close.clone());
                 (new(), None, Some(EndStage { stage, close, checkpoint: told, over: false }))

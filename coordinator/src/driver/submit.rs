@@ -13,7 +13,8 @@ pub struct Submission {
     /// Which profile, and which keys are overridden.
     pub overrides: Overrides,
     /// Take up an unfinished experiment of the same resolved text instead of making another one; also one that
-    /// this coordinator took up when it started, and that has ended since.
+    /// this coordinator took up when it started, and that has ended since, and the finished cells of a matrix
+    /// of which others are unfinished.
     pub resume: bool,
 }
 
@@ -45,14 +46,7 @@ impl Driver {
         let cells =
             Experiment::parse(&submission.text, &submission.overrides).map_err(SubmitError::Problems)?;
         let lineage = &self.shared.lineage;
-        let mut ids = vec![None; cells.len()];
-        if submission.resume {
-            for (id, cell) in ids.iter_mut().zip(&cells) {
-                let digest = cell.digest();
-                let taken_up = self.taken_up().remove(&digest);
-                *id = lineage.reader().find_unfinished(&digest).await?.or(taken_up);
-            }
-        }
+        let ids = if submission.resume { self.find(&cells).await? } else { vec![None; cells.len()] };
         let new: Vec<_> = cells
             .iter()
             .zip(&ids)
@@ -81,6 +75,23 @@ impl Driver {
             }
         }
         Ok((all, resumed))
+    }
+
+    /// The experiments that go on with some cells. Of a matrix that does, the finished cells stay finished.
+    async fn find(&self, cells: &[Experiment]) -> Result<Vec<Option<ExperimentId>>, ReadError> {
+        let reader = self.shared.lineage.reader();
+        let mut found = vec![None; cells.len()];
+        for (id, cell) in found.iter_mut().zip(cells) {
+            let digest = cell.digest();
+            let taken_up = self.taken_up().remove(&digest);
+            *id = reader.find_unfinished(&digest).await?.or(taken_up);
+        }
+        if let Some(&sibling) = found.iter().flatten().next() {
+            for (id, cell) in found.iter_mut().zip(cells).filter(|(id, _)| id.is_none()) {
+                *id = reader.find_finished(sibling, &cell.digest()).await?;
+            }
+        }
+        Ok(found)
     }
 }
 

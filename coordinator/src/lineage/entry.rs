@@ -113,8 +113,8 @@ pub struct NewStage {
 /// The stage of a generation that is opened.
 #[derive(Debug, Clone)]
 pub enum InStage {
-    /// One that stands already.
-    Open(StageId),
+    /// One that stands already, and its number in its run.
+    Open(StageId, u32),
     /// One that begins with it.
     New(NewStage),
 }

@@ -2,7 +2,7 @@
 
 use super::individual::damaged;
 use super::sql::sql;
-use super::{ExperimentId, IndividualId, ReadError, Reader, genotype, individual};
+use super::{ExperimentId, IndividualId, ReadError, Reader, State, genotype, individual};
 use search::Place;
 use search::hash::{HashRow, LineageHasher};
 use sqlx::sqlite::SqliteConnection;
@@ -84,7 +84,7 @@ impl Reader {
             name: stored.name,
             hash: hasher.finish(),
             individuals,
-            finished: !stored.state.is_unfinished(),
+            finished: stored.state == State::Finished,
         })
     }
 }

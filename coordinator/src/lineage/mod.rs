@@ -83,6 +83,7 @@ pub struct Lineage {
 struct Shared {
     identity: [u8; 16],
     reader: Reader,
+    clients: Reader,
     queue: mpsc::Sender<Queued>,
     room: Arc<Semaphore>,
     shelves: Mutex<BTreeMap<StageId, Arc<Shelf>>>,
@@ -118,6 +119,7 @@ impl Lineage {
             problem: "its identity is not 16 bytes long".to_owned(),
         })?;
         let reader = Reader::open(path).await?;
+        let clients = Reader::open(path).await?;
 
         let (queue, entries) = mpsc::channel(1024);
         let (health, felt) = watch::channel(Health::Good);
@@ -139,7 +141,8 @@ impl Lineage {
         let room = Arc::new(Semaphore::new(OUTCOMES_MAX));
         let shelves = Mutex::default();
         let health = felt;
-        let shared = Shared { identity, reader, queue, room, shelves, health, commits, closing, end, writer };
+        let shared =
+            Shared { identity, reader, clients, queue, room, shelves, health, commits, closing, end, writer };
         Ok(Lineage { shared: Arc::new(shared) })
     }
 
@@ -148,9 +151,14 @@ impl Lineage {
         self.shared.identity
     }
 
-    /// Reads what is committed.
+    /// Reads what is committed, for those who conduct experiments: no client keeps its connections busy.
     pub fn reader(&self) -> &Reader {
         &self.shared.reader
+    }
+
+    /// Reads what is committed, for clients, on connections of their own.
+    pub fn clients(&self) -> &Reader {
+        &self.shared.clients
     }
 
     /// Whether what is recorded reaches the disk.
@@ -197,15 +205,12 @@ impl Lineage {
         }
         let number = match &stage {
             InStage::New(stage) => stage.stage,
-            InStage::Open(stage) => match self.shared.reader.stage_number(*stage).await {
-                Ok(number) => number,
-                Err(error) => return refused(error.to_string()),
-            },
+            InStage::Open(_, number) => *number,
         };
         let size = individuals.len();
         // The first of a stage may have their parents in the last of the one before.
         let shelf = match (&stage, &ends) {
-            (InStage::Open(stage), _) => self.shelves().get(stage).cloned(),
+            (InStage::Open(stage, _), _) => self.shelves().get(stage).cloned(),
             (InStage::New(_), Some(ends)) => self.shelves().remove(&ends.stage),
             (InStage::New(_), None) => None,
         };
@@ -328,6 +333,7 @@ impl Lineage {
         let writer = self.shared.writer.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).take();
         let Some(writer) = writer else { return flushed };
         self.shared.reader.close().await;
+        self.shared.clients.close().await;
         writer.await.unwrap_or_else(|_| Err(WriteError::Closed { reason: "the writer died".to_owned() }))
     }
 

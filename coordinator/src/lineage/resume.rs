@@ -229,6 +229,16 @@ impl Reader {
         Ok(query.fetch_optional(self.pool()).await?.map(ExperimentId::of))
     }
 
+    /// The latest finished experiment of a resolved file among the cells of another's matrix.
+    pub async fn find_finished(
+        &self,
+        beside: ExperimentId,
+        digest: &[u8; 32],
+    ) -> Result<Option<ExperimentId>, ReadError> {
+        let query = sqlx::query_scalar(sql!("find_finished")).bind(beside.sql()).bind(&digest[..]);
+        Ok(query.fetch_optional(self.pool()).await?.map(ExperimentId::of))
+    }
+
     /// Where a stage goes on; `None` when it has no generation yet, or has ended.
     pub async fn resume_point(&self, stage: StageId) -> Result<Option<ResumePoint>, ReadError> {
         let mut transaction = self.pool().begin().await?; // one state of the file
@@ -275,13 +285,6 @@ impl Reader {
     pub async fn unaudited(&self, experiment: ExperimentId, worker: &str) -> Result<u64, ReadError> {
         let query = sqlx::query_scalar::<_, i64>(sql!("unaudited")).bind(experiment.sql()).bind(worker);
         Ok(query.fetch_one(self.pool()).await?.cast_unsigned())
-    }
-
-    /// Which stage of its run.
-    pub(super) async fn stage_number(&self, stage: StageId) -> Result<u32, ReadError> {
-        let number = sqlx::query_scalar(sql!("stage_number")).bind(stage.sql());
-        let not_found = || ReadError::NotFound { what: "stage", reference: stage.to_string() };
-        number.fetch_optional(self.pool()).await?.ok_or_else(not_found)
     }
 }
 

@@ -193,7 +193,7 @@ impl Transaction<'_> {
             self.choose(choice).await?;
         }
         let stage = match &next.stage {
-            InStage::Open(stage) => *stage,
+            InStage::Open(stage, _) => *stage,
             InStage::New(stage) => StageId(self.open_stage(stage).await?),
         };
         let standing = self.standing(stage).await?;

@@ -76,7 +76,7 @@ impl Entry {
                 format!("open stage {} of run {} of experiment {}", stage.stage, stage.run, stage.experiment)
             }
             Entry::OpenGeneration(next) => match &next.stage {
-                InStage::Open(stage) => format!("open generation {} of stage {stage}", next.generation),
+                InStage::Open(stage, _) => format!("open generation {} of stage {stage}", next.generation),
                 InStage::New(stage) => format!("open stage {} of run {}", stage.stage, stage.run),
             },
             Entry::EndStage(ends, _) => format!("end stage {}", ends.stage),

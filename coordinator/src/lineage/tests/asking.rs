@@ -190,3 +190,18 @@ async fn values_come_as_they_are() {
         ]
     );
 }
+
+#[tokio::test]
+async fn clients_hold_up_nobody_but_each_other() {
+    let house = House::new().await;
+    let (experiment, stage) = house.begin("crawler").await;
+    let clients = house.lineage.clients().pool();
+    let mut held = Vec::new();
+    while held.len() < clients.options().get_max_connections() as usize {
+        held.push(clients.acquire().await.unwrap());
+    }
+    assert!(clients.try_acquire().is_none());
+    let first = house.generation(stage, 1, 3).await;
+    house.settle(&first).await;
+    assert_eq!(house.lineage.reader().experiment(experiment).await.unwrap().stages.len(), 1);
+}

@@ -113,7 +113,7 @@ fn experiment(name: &str) -> NewExperiment {
 /// Founders in generation 1; later every individual has its neighbours of the generation before as parents.
 fn opening(stage: StageId, generation: u32, size: u32) -> OpenGeneration {
     OpenGeneration {
-        stage: InStage::Open(stage),
+        stage: InStage::Open(stage, 0),
         generation,
         checkpoint: checkpoint(generation),
         culling: (generation > 1).then_some(Culling { at: 0.25, cutoff: Some(1.5) }),

@@ -42,7 +42,7 @@ impl ExperimentsService {
     }
 
     async fn find(&self, reference: &str) -> Result<Vec<ExperimentId>, Status> {
-        self.driver.lineage().reader().find(reference).await.map_err(status)
+        self.driver.lineage().clients().find(reference).await.map_err(status)
     }
 
     async fn render(&self, id: ExperimentId) -> Result<v1::Experiment, Status> {
@@ -55,7 +55,7 @@ impl ExperimentsService {
 
     /// Experiments as the lineage has them, with what only the driver knows.
     async fn render_all(&self, ids: Option<&[ExperimentId]>) -> Result<Vec<v1::Experiment>, Status> {
-        let summaries = self.driver.lineage().reader().summaries(ids).await.map_err(status)?;
+        let summaries = self.driver.lineage().clients().summaries(ids).await.map_err(status)?;
         Ok(summaries
             .into_iter()
             .map(|summary| {
@@ -94,7 +94,7 @@ impl v1::experiments_server::Experiments for ExperimentsService {
     }
 
     async fn get(&self, request: Request<v1::GetRequest>) -> Result<Response<v1::Experiment>, Status> {
-        let reader = self.driver.lineage().reader();
+        let reader = self.driver.lineage().clients();
         let id = reader.find_one(&request.into_inner().experiment).await.map_err(status)?;
         let mut rendered = self.render(id).await?;
         let stored = reader.experiment(id).await.map_err(status)?;
@@ -143,19 +143,19 @@ impl v1::experiments_server::Experiments for ExperimentsService {
         &self,
         request: Request<v1::CandidatesRequest>,
     ) -> Result<Response<v1::CandidatesReply>, Status> {
-        candidates(self.driver.lineage().reader(), request.into_inner()).await
+        candidates(self.driver.lineage().clients(), request.into_inner()).await
     }
 
     async fn pick(&self, request: Request<v1::PickRequest>) -> Result<Response<v1::Experiment>, Status> {
         let v1::PickRequest { experiment, individual, note } = request.into_inner();
-        let id = self.driver.lineage().reader().find_one(&experiment).await.map_err(status)?;
+        let id = self.driver.lineage().clients().find_one(&experiment).await.map_err(status)?;
         self.driver.pick(id, IndividualId(individual), note).await.map_err(pick_status)?;
         Ok(Response::new(self.render(id).await?))
     }
 
     async fn amend(&self, request: Request<v1::AmendRequest>) -> Result<Response<v1::AmendReply>, Status> {
         let v1::AmendRequest { experiment, file } = request.into_inner();
-        let id = self.driver.lineage().reader().find_one(&experiment).await.map_err(status)?;
+        let id = self.driver.lineage().clients().find_one(&experiment).await.map_err(status)?;
         let file = file_of(file.unwrap_or_default())?;
         let differences = self.driver.amend(id, &file).await.map_err(amend_status)?;
         let experiment = Some(self.render(id).await?);
@@ -163,7 +163,7 @@ impl v1::experiments_server::Experiments for ExperimentsService {
     }
 
     async fn fork(&self, request: Request<v1::ForkRequest>) -> Result<Response<v1::Experiment>, Status> {
-        let fork = fork_of(self.driver.lineage().reader(), request.into_inner()).await?;
+        let fork = fork_of(self.driver.lineage().clients(), request.into_inner()).await?;
         let id = self.driver.fork(fork).await.map_err(fork_status)?;
         Ok(Response::new(self.render(id).await?))
     }

@@ -37,8 +37,8 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// Level ground at z = 0 for creatures of about 0.1 to 0.25 kg: they rest on four to eight points at 0.2
-    /// to 1 mm depth, critically damped, and creep below 2 mm/s where friction holds them (G-50).
+    /// Level ground at z = 0 for bodies of about 0.1 to 0.25 kg: they rest on four to eight points at 0.2 to 1 mm
+    /// depth, critically damped, and creep below 2 mm/s where friction holds them.
     pub fn level(friction: f64) -> Ground {
         Ground {
             normal: DVec3::Z,

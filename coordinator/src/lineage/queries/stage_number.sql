@@ -1,2 +1,0 @@
--- stage_number: which stage of its run.
-SELECT number FROM stage WHERE id = ?
