@@ -277,6 +277,12 @@ pub(crate) struct Replay {
     /// Record one step in so many
     #[arg(long, value_name = "STEPS", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) every: u32,
+    /// Show a skill under a light that moves as this file says instead; nothing is compared
+    #[arg(long, value_name = "SCRIPT.toml", conflicts_with = "trial")]
+    pub(crate) light: Option<PathBuf>,
+    /// Which skill is on under the light; the one last tested unless it is named
+    #[arg(long, value_name = "SKILL", requires = "light")]
+    pub(crate) skill: Option<String>,
     /// Whom to ask.
     #[command(flatten)]
     pub(crate) ask: Ask,
@@ -286,6 +292,7 @@ const REPLAY_HELP: &str = "\
 Examples:
   hatchery replay 4711 --picture 4711.png
   hatchery replay 4711 --recording 4711.jsonl --every 4
+  hatchery replay 4711 --light round.toml --skill move_to_light --picture round.png
 
 docs/recordings.md says what a recording holds and how a notebook reads it. The exit code is 1 if the fitness
 differs in any bit from what the lineage has; what was asked for is written all the same.";

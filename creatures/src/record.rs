@@ -32,9 +32,12 @@ pub struct Scene {
     pub parts: Vec<Part>,
     /// What stands still.
     pub props: Vec<Prop>,
-    /// Names of the muscles that each creature has, if frames tell what they do: `SIDE_SEGMENT_REST`.
+    /// Names of the muscles that each creature has, if frames tell what they do.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub muscles: Vec<String>,
+    /// Where these run, of one creature whose muscles pull between two parts; in the order of their names.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cords: Vec<Cord>,
 }
 
 /// Something that moves as one.
@@ -57,6 +60,15 @@ pub struct Prop {
     pub shape: Shape,
     /// Where it stands.
     pub pose: Pose,
+}
+
+/// A line along which a muscle pulls.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Cord {
+    /// Places among the scene's parts.
+    pub parts: [u32; 2],
+    /// Where it is attached to each, in the part's own axes.
+    pub ends: [DVec3; 2],
 }
 
 /// What is seen of something, in its own axes about its own origin.

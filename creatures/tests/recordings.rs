@@ -67,6 +67,9 @@ fn every_creature_is_seen_from_its_start_to_its_last_step() {
             assert!((shot.time - f64::from(step) * scene.step).abs() < 1e-9, "{what} at {}", shot.time);
             assert_eq!(shot.frame.poses.len(), scene.parts.len(), "{what}");
             assert_eq!(shot.frame.centers.len(), scene.creatures.len(), "{what}");
+            for contracted in &shot.frame.muscles {
+                assert_eq!(contracted.len(), scene.muscles.len(), "{what}");
+            }
         }
         let moved = shots.first().unwrap().frame != shots.last().unwrap().frame;
         assert!(moved, "{what}");
@@ -106,6 +109,7 @@ fn a_recording_reads_back_to_the_same_bits() {
             task: serde_json::from_str(&proof.task).unwrap(),
             seed: u64::MAX,
             trial: 1,
+            light: None,
         };
         let mut lines = recording.lines(&subject);
         let header: Header = serde_json::from_str(&lines.next().unwrap()).unwrap();

@@ -19,17 +19,25 @@ use crate::exit::Failure;
 use crate::picture;
 use crate::render::{Output, number};
 
+mod light;
+
 pub(super) async fn replay(arguments: Replay, output: Output) -> Result<(), Failure> {
     let connection = Connection::open(&Source::of(&arguments.ask)?).await?;
     let recorded = fetch(&connection, arguments.individual).await?;
     let id = recorded.id;
+    let ended = move |error| anyhow!("individual {id} ends the evaluation that lives it: {error}");
+    if let Some(script) = arguments.light.clone() {
+        let every = arguments.every;
+        let shown = tokio::task::spawn_blocking(move || light::watch(&recorded, &arguments, &script));
+        return light::print(&shown.await.map_err(ended)??, every, output);
+    }
     let written = [("recording", arguments.recording.clone()), ("picture", arguments.picture.clone())];
     let (recorded, lived) = tokio::task::spawn_blocking(move || {
         let lived = watch(&recorded, &arguments)?;
         Ok::<_, Failure>((recorded, lived))
     })
     .await
-    .map_err(|error| anyhow!("individual {id} ends the evaluation that lives it: {error}"))??;
+    .map_err(ended)??;
     let differences = differences(&recorded, &lived);
     if output.json {
         output.document(&json!({
@@ -97,6 +105,7 @@ fn subject(recorded: &IndividualReply, trial: u32) -> Result<Subject, Failure> {
             .with_context(|| format!("the task of individual {}", recorded.id))?,
         seed: recorded.seed,
         trial,
+        light: None,
     })
 }
 
@@ -147,16 +156,7 @@ fn live(recorded: &IndividualReply, observer: &mut dyn Observer) -> Result<Outco
     }
     let genotype = genotype(recorded)?;
     let system = system(recorded)?;
-    if genotype.version != system.version() {
-        // Outcomes of different versions are never compared (walker X-21).
-        return Err(anyhow!(
-            "individual {id} lived in version {} of {}, this release has version {}",
-            genotype.version,
-            system.name(),
-            system.version()
-        )
-        .into());
-    }
+    same_version(recorded, genotype, system)?;
     let task = system.task(&recorded.task).with_context(|| format!("the task of individual {id}"))?;
     let cull =
         recorded.cull.as_ref().map(|cull| Cull { at: cull.at, cutoff: cull.cutoff, control: cull.control });
@@ -164,6 +164,16 @@ fn live(recorded: &IndividualReply, observer: &mut dyn Observer) -> Result<Outco
         .evaluate(&genotype.payload, recorded.seed, cull.as_ref(), observer)
         .with_context(|| format!("the genotype of individual {id}"))?;
     Ok(outcome)
+}
+
+/// Outcomes of different versions are never compared (walker X-21).
+fn same_version(recorded: &IndividualReply, genotype: &Genotype, system: &dyn System) -> Result<(), Failure> {
+    if genotype.version == system.version() {
+        return Ok(());
+    }
+    let (id, lived, name) = (recorded.id, genotype.version, system.name());
+    let now = system.version();
+    Err(anyhow!("individual {id} lived in version {lived} of {name}, this release has version {now}").into())
 }
 
 fn genotype(recorded: &IndividualReply) -> Result<&Genotype, Failure> {

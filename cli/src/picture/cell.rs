@@ -34,6 +34,8 @@ type Area<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
 
 /// Farther outside than this, in cells, nothing is drawn.
 const BEYOND: f64 = 8.0;
+/// How much wider than a slack muscle one is that pulls with all its strength, pixels.
+const MUSCLE: f64 = 4.0;
 /// How dark edges are.
 const EDGE: f64 = 0.6;
 
@@ -49,6 +51,7 @@ impl Camera {
         self.rooms(&area, scene)?;
         self.trails(&area, recording)?;
         self.solids(&area, scene, frame)?;
+        self.muscles(&area, scene, frame)?;
         self.specks(&area, scene, frame)?;
         let (width, height) = (self.size.0 as i32, self.size.1 as i32);
         area.draw(&Rectangle::new([(0, 0), (width - 1, height - 1)], ink::FRAME.stroke_width(2)))?;
@@ -169,6 +172,26 @@ impl Camera {
         area.draw(&Polygon::new(ring.clone(), fill.filled()))?;
         ring.extend(ring.first().copied());
         area.draw(&PathElement::new(ring, edge.stroke_width(1)))?;
+        Ok(())
+    }
+
+    /// Muscles as lines upon all parts, since they run along them or through them: the more active, the thicker
+    /// and the redder.
+    fn muscles(&self, area: &Area<'_>, scene: &Scene, frame: &Frame) -> Result<()> {
+        let activations = frame.muscles.first().into_iter().flatten();
+        for (cord, &activation) in scene.cords.iter().zip(activations) {
+            let end = |end: usize| match frame.poses.get(cord.parts[end] as usize)? {
+                Pose::Rigid { position, orientation } => {
+                    Some(self.pixel(self.view.flat(*position + *orientation * cord.ends[end])))
+                }
+                Pose::Absent | Pose::Nodes(_) => None,
+            };
+            let (Some(from), Some(to)) = (end(0), end(1)) else { continue };
+            if self.is_near(from) && self.is_near(to) {
+                let width = 2 + (MUSCLE * activation).round() as u32;
+                area.draw(&PathElement::new([from, to], ink::muscle(activation).stroke_width(width)))?;
+            }
+        }
         Ok(())
     }
 

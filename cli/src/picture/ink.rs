@@ -13,6 +13,8 @@ pub(super) const PROP: RGBColor = RGBColor(175, 180, 185);
 pub(super) const TRAIL: RGBColor = RGBColor(204, 121, 167);
 pub(super) const LIGHT: RGBColor = RGBColor(240, 200, 20);
 
+const SLACK: RGBColor = RGBColor(95, 95, 105);
+const TENSE: RGBColor = RGBColor(213, 40, 0);
 const TRUNK: RGBColor = RGBColor(150, 150, 155);
 const LEFT: RGBColor = RGBColor(86, 180, 233);
 const RIGHT: RGBColor = RGBColor(230, 159, 0);
@@ -21,12 +23,12 @@ const KINDS: [RGBColor; 4] =
     [RGBColor(213, 94, 0), RGBColor(0, 158, 115), RGBColor(0, 114, 178), RGBColor(230, 159, 0)];
 
 /// The colour of every part of a scene, in its order: of one creature left and right are told apart, of
-/// several their kinds, which is their names up to the number.
+/// several their kinds, which is their names up to the number; one whose muscles are drawn is grey, so that these are seen.
 pub(super) fn colours(scene: &Scene) -> Vec<RGBColor> {
     let kinds = kinds(scene);
     let colour = |part: &Part| match part.creature.and_then(|index| scene.creatures.get(index as usize)) {
         None => PROP,
-        Some(_) if has_sides(scene) => side(&part.name),
+        Some(_) if has_sides(scene) || !scene.cords.is_empty() => side(&part.name),
         Some(name) => of_kind(&kinds, name),
     };
     scene.parts.iter().map(colour).collect()
@@ -36,6 +38,9 @@ pub(super) fn colours(scene: &Scene) -> Vec<RGBColor> {
 pub(super) fn legend(scene: &Scene) -> Vec<(&str, RGBColor)> {
     if has_sides(scene) {
         return vec![("left", LEFT), ("right", RIGHT)];
+    }
+    if !scene.cords.is_empty() {
+        return vec![("slack", SLACK), ("active", TENSE)];
     }
     let kinds = kinds(scene);
     kinds.iter().map(|kind| (*kind, of_kind(&kinds, kind))).collect()
@@ -83,6 +88,15 @@ fn side(part: &str) -> RGBColor {
     } else {
         TRUNK
     }
+}
+
+/// The colour of a muscle, by how active it is.
+pub(super) fn muscle(activation: f64) -> RGBColor {
+    let between = |slack: u8, tense: u8| {
+        let (slack, tense) = (f64::from(slack), f64::from(tense));
+        (slack + activation.clamp(0.0, 1.0) * (tense - slack)).round() as u8
+    };
+    RGBColor(between(SLACK.0, TENSE.0), between(SLACK.1, TENSE.1), between(SLACK.2, TENSE.2))
 }
 
 /// A colour under some light, 0 to 1.

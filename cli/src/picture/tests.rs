@@ -36,6 +36,21 @@ fn every_kind_of_creature_leaves_ink_and_a_picture_that_can_be_read() {
     }
 }
 
+/// Muscles are lines upon the parts, in a colour that nothing else has, and thicker the more active they are.
+#[test]
+fn muscles_are_seen_by_how_active_they_are() {
+    let recording = recorded("esp", 0);
+    assert!(recording.shots.iter().any(|shot| shot.frame.muscles[0].iter().any(|&one| one > 0.9)));
+    let red = |activation: f64| {
+        let mut of = recording.clone();
+        of.shots.iter_mut().for_each(|shot| shot.frame.muscles[0].fill(activation));
+        let bytes = pixels(&of, "", "").unwrap().bytes;
+        bytes.chunks_exact(3).filter(|pixel| pixel[0] > 180 && pixel[1] < 90 && pixel[2] < 60).count()
+    };
+    let (slack, active) = (red(0.0), red(1.0));
+    assert!(slack < 2000 && active > slack + 2000, "{slack} {active}");
+}
+
 #[test]
 fn a_creature_that_never_moved_is_drawn_at_its_start() {
     let mut recording = recorded("walker", 0);

@@ -65,6 +65,7 @@ mod tests {
             parts: vec![],
             props: vec![],
             muscles: vec![],
+            cords: vec![],
         };
         let (ahead, left, above) = (DVec3::Z, DVec3::X, DVec3::Y);
         let side = View::side(&scene);

@@ -59,6 +59,8 @@ struct Pull {
     direction: DVec3,
     /// Of the ends from their parts' centres, m, world frame.
     offsets: [DVec3; 2],
+    /// As it was last told, 0 to 1.
+    activation: f64,
     /// During the last substep, N.
     tension: f64,
 }
@@ -179,6 +181,7 @@ impl<'a> Creature<'a> {
     fn pull(&mut self, activations: &[f64]) {
         let muscles = self.phenotype.muscles.iter().zip(&mut self.pulls);
         for ((muscle, pull), &activation) in muscles.zip(activations) {
+            pull.activation = activation;
             pull.tension = 0.0;
             if activation > 0.0 {
                 pull.tension = muscle.tension(activation, pull.stretch, self.physics.muscle_damping);

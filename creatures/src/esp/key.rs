@@ -1,6 +1,7 @@
 //! Instance keys: names of expressed muscles and receptors that survive every mutation off their path (E-16).
 
 use serde::{Deserialize, Serialize};
+use std::fmt::{self, Display, Formatter};
 
 /// The id of a gene, unique within its genotype and never reused there (E-1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -19,4 +20,14 @@ pub struct InstanceKey {
     pub part: Vec<Step>,
     /// The muscle's or receptor's gene.
     pub gene: GeneId,
+}
+
+/// `EDGE.COPY/…/GENE`
+impl Display for InstanceKey {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        for Step(edge, copy) in &self.part {
+            write!(f, "{}.{copy}/", edge.0)?;
+        }
+        write!(f, "{}", self.gene.0)
+    }
 }

@@ -4,6 +4,7 @@
 pub mod body;
 pub mod brain;
 pub mod creature;
+pub mod demonstration;
 pub mod encapsulation;
 pub mod energy;
 pub mod examination;

@@ -8,7 +8,7 @@ use super::examination::{Candidate, Report, Test};
 use super::fault::Fault;
 use super::fitness::{Context, Fitness, Setup};
 use super::physics::Physics;
-use super::syllabus::{GroupTable, SkillTable, Syllabus, SyllabusTable};
+use super::syllabus::{GroupTable, SkillId, SkillTable, Syllabus, SyllabusTable};
 use crate::{Cull, DecodeError, Observer, Outcome, Reason, SpecError, Status, Task};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -162,7 +162,7 @@ impl TaskTable {
 }
 
 /// The skill of a name, or the problem.
-fn find(syllabus: &Syllabus, name: &str) -> Result<super::syllabus::SkillId, String> {
+fn find(syllabus: &Syllabus, name: &str) -> Result<SkillId, String> {
     syllabus.find(name).ok_or_else(|| {
         let known = syllabus.skills().iter().map(super::syllabus::Skill::name);
         let nearest = known.min_by_key(|known| strsim::damerau_levenshtein(known, name));
@@ -193,8 +193,33 @@ fn in_fitness(error: SpecError) -> SpecError {
 }
 
 impl EspTask {
+    /// Every skill.
+    pub(super) fn syllabus(&self) -> &Syllabus {
+        &self.syllabus
+    }
+
+    /// What holds in the world.
+    pub(super) fn physics(&self) -> Physics {
+        self.physics
+    }
+
+    /// The skill of the test that gives the fitness.
+    pub(super) fn last_tested(&self) -> SkillId {
+        self.tests.last().expect("a task has a test").skill
+    }
+
+    /// A skill's name.
+    pub(super) fn name(&self, skill: SkillId) -> &str {
+        self.syllabus.skills()[skill.index()].name()
+    }
+
+    /// The skill of a name, or the problem.
+    pub(super) fn find(&self, name: &str) -> Result<SkillId, String> {
+        find(&self.syllabus, name)
+    }
+
     /// Reads a genotype and expresses it; nothing that is not legal is ever lived (E-19).
-    fn read(&self, genotype: &[u8]) -> Result<(Genotype, Phenotype), DecodeError> {
+    pub(super) fn read(&self, genotype: &[u8]) -> Result<(Genotype, Phenotype), DecodeError> {
         let genotype = Genotype::decode(genotype)?;
         let phenotype = genotype.check(&self.syllabus)?;
         if let Some(test) = self.tests.iter().find(|test| genotype.brain.control(test.skill).is_none()) {

@@ -79,12 +79,19 @@ pub struct Light {
 
 /// The lights of a moment; those that there are stand in front.
 #[derive(Debug, Clone, Copy, Default)]
-struct Lights {
+pub(super) struct Lights {
     all: [Light; LIGHTS_MAX],
     count: usize,
 }
 
 impl Lights {
+    /// One light.
+    pub(super) fn one(light: Light) -> Lights {
+        let mut lights = Lights { count: 1, ..Lights::default() };
+        lights.all[0] = light;
+        lights
+    }
+
     fn as_slice(&self) -> &[Light] {
         &self.all[..self.count]
     }
@@ -92,7 +99,7 @@ impl Lights {
 
 /// Where a trial started: what positions, headings and lights are measured from.
 #[derive(Debug, Clone, Copy)]
-struct Origin {
+pub(super) struct Origin {
     /// On the ground below the settled centre of mass.
     point: DVec3,
     heading: f64,
@@ -108,7 +115,7 @@ pub struct Show<'a> {
 }
 
 impl Show<'_> {
-    fn begin<L: Living>(&mut self, creature: &L, lights: &[Light]) {
+    pub(super) fn begin<L: Living>(&mut self, creature: &L, lights: &[Light]) {
         self.observer.trial(self.number, &|| {
             let mut scene = creature.scene();
             scene.parts.extend(lights.iter().enumerate().map(|(index, light)| Part {
@@ -122,7 +129,7 @@ impl Show<'_> {
         self.observer.frame(0.0, &|| frame(creature, lights));
     }
 
-    fn go_on<L: Living>(&mut self, creature: &L, seconds: f64, lights: &dyn Fn() -> Lights) {
+    pub(super) fn go_on<L: Living>(&mut self, creature: &L, seconds: f64, lights: &dyn Fn() -> Lights) {
         self.observer.frame(seconds, &|| frame(creature, lights().as_slice()));
     }
 }
@@ -178,7 +185,8 @@ pub fn live<L: Living>(
     Ok(())
 }
 
-fn sense<L: Living>(creature: &L, lights: &[Light], circuit: &mut Circuit) {
+/// Fills in what a creature feels and sees, for the next tick.
+pub(super) fn sense<L: Living>(creature: &L, lights: &[Light], circuit: &mut Circuit) {
     creature.feel(circuit.lengths_mut());
     creature.see(lights, circuit.photos_mut());
     let state = creature.state();
@@ -190,7 +198,7 @@ fn sense<L: Living>(creature: &L, lights: &[Light], circuit: &mut Circuit) {
 }
 
 impl Origin {
-    fn of(state: &State) -> Origin {
+    pub(super) fn of(state: &State) -> Origin {
         let half = 0.5 * state.heading;
         Origin {
             point: state.centre.with_z(0.0),
@@ -199,11 +207,11 @@ impl Origin {
         }
     }
 
-    fn to_world(self, position: DVec3) -> DVec3 {
+    pub(super) fn to_world(self, position: DVec3) -> DVec3 {
         self.point + self.rotation * position
     }
 
-    fn to_start(self, position: DVec3) -> DVec3 {
+    pub(super) fn to_start(self, position: DVec3) -> DVec3 {
         self.rotation.inverse() * (position - self.point)
     }
 

@@ -19,6 +19,7 @@ pub(super) fn water() -> Scene {
         parts: vec![],
         props: vec![],
         muscles: muscles(),
+        cords: vec![],
     }
 }
 

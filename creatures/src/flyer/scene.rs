@@ -30,6 +30,7 @@ pub(super) fn scene(bones: &[Bone], step: f64) -> Scene {
         parts: bones.iter().enumerate().map(part).collect(),
         props: vec![Prop { name: "ground".to_owned(), shape: Shape::Ground, pose: Pose::at(DVec3::ZERO) }],
         muscles: vec![],
+        cords: vec![],
     }
 }
 

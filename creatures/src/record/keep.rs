@@ -103,6 +103,7 @@ mod tests {
             parts: vec![],
             props: vec![],
             muscles: vec![],
+            cords: vec![],
         }
     }
 

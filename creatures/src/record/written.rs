@@ -37,6 +37,9 @@ pub struct Subject {
     pub seed: u64,
     /// Which trial of the evaluation, from 1.
     pub trial: u32,
+    /// The skill and the script, if it lived under a light of a script instead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub light: Option<serde_json::Value>,
 }
 
 impl Recording {

@@ -28,6 +28,7 @@ pub(super) fn scene(body: BodyKind, step: f64) -> Scene {
         parts,
         props: vec![Prop { name: "ground".to_owned(), shape: Shape::Ground, pose: Pose::at(DVec3::ZERO) }],
         muscles: vec![],
+        cords: vec![],
     }
 }
 

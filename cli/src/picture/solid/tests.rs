@@ -12,6 +12,7 @@ fn side() -> View {
         parts: vec![],
         props: vec![],
         muscles: vec![],
+        cords: vec![],
     })
 }
 

@@ -2,10 +2,10 @@
 
 use super::Creature;
 use crate::esp::body::Shape as Segment;
-use crate::esp::body::phenotype::Part as Expressed;
+use crate::esp::body::phenotype::{self, Part as Expressed};
 use crate::esp::brain::TICK;
 use crate::esp::fitness::setup::{DISC_HEIGHT, DISC_RADIUS};
-use crate::record::{Frame, Part, Pose, Prop, Scene, Shape};
+use crate::record::{Cord, Frame, Part, Pose, Prop, Scene, Shape};
 use glam::{DQuat, DVec3};
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -34,22 +34,37 @@ impl Creature<'_> {
             creatures: vec!["creature".to_owned()],
             parts: self.phenotype.parts.iter().enumerate().map(part).collect(),
             props: std::iter::once(ground).chain(discs).collect(),
-            muscles: vec![],
+            muscles: self.phenotype.muscles.iter().map(|muscle| muscle.key.to_string()).collect(),
+            cords: self.phenotype.muscles.iter().map(|muscle| self.cord(muscle)).collect(),
         }
     }
 
     pub(super) fn shot(&self) -> Frame {
         let pose = |(index, part): (usize, &Expressed)| {
             let pose = self.world.pose(index);
-            let turn = if matches!(part.shape, Segment::Capsule { .. }) { CAPSULE } else { DQuat::IDENTITY };
-            Pose::Rigid { position: pose.position, orientation: (pose.rotation * turn).normalize() }
+            Pose::Rigid {
+                position: pose.position,
+                orientation: (pose.rotation * turn(part.shape)).normalize(),
+            }
         };
         Frame {
             centers: vec![self.state.centre],
             poses: self.phenotype.parts.iter().enumerate().map(pose).collect(),
+            muscles: vec![self.pulls.iter().map(|pull| pull.activation).collect()],
             ..Frame::default()
         }
     }
+
+    fn cord(&self, muscle: &phenotype::Muscle) -> Cord {
+        let end =
+            |end: usize| turn(self.phenotype.parts[muscle.parts[end]].shape).inverse() * muscle.ends[end];
+        Cord { parts: muscle.parts.map(|part| part as u32), ends: [end(0), end(1)] }
+    }
+}
+
+/// From the axes in which a segment is recorded to its own.
+fn turn(segment: Segment) -> DQuat {
+    if matches!(segment, Segment::Capsule { .. }) { CAPSULE } else { DQuat::IDENTITY }
 }
 
 fn shape(segment: Segment) -> Shape {

@@ -289,3 +289,20 @@ fn hard_work_is_no_gain_from_nothing() {
         assert!(most < 0.5 * creature.surplus_max, "{most} J of {}", creature.surplus_max);
     }
 }
+
+/// What is recorded of a muscle leads from one of its ends to the other, on boxes and capsules alike.
+#[test]
+fn recorded_muscles_are_where_they_pull() {
+    let body = limb(genotype::Joint::Spherical);
+    let mut creature = spawn(&body);
+    (0..30).for_each(|_| creature.step(&[0.7]).unwrap());
+    let (scene, frame) = (creature.scene(), creature.frame());
+    let cord = &scene.cords[0];
+    let end = |end: usize| match frame.poses[cord.parts[end] as usize] {
+        crate::record::Pose::Rigid { position, orientation } => position + orientation * cord.ends[end],
+        _ => panic!("a segment is rigid"),
+    };
+    let length = (end(1) - end(0)).length();
+    assert!((length - creature.pulls[0].stretch.length).abs() < 1e-9, "{length}");
+    assert_eq!((scene.muscles.len(), scene.cords.len(), frame.muscles), (1, 1, vec![vec![0.7]]));
+}

@@ -96,6 +96,7 @@ impl Living for Puppet {
             parts: vec![point],
             props: Vec::new(),
             muscles: vec![],
+            cords: vec![],
         }
     }
 
