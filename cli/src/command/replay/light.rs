@@ -14,8 +14,8 @@ use super::{genotype, subject, system, write};
 use crate::arguments::Replay;
 use crate::exit::Failure;
 use crate::picture;
+use crate::render::Output;
 use crate::render::table::{Column, table};
-use crate::render::{Output, number};
 
 /// Lives it, and writes what is asked for of what was seen.
 pub(super) fn watch(
@@ -93,9 +93,9 @@ pub(super) fn print(shown: &Demonstration, every: u32, output: Output) -> Result
         Column::Right("light left, m"),
     ];
     let row = |one: &Sighting| {
-        let [ahead, left] = one.creature.map(number::figure);
-        let [light_ahead, light_left] = one.light.map(number::figure);
-        let (distance, error) = (number::figure(one.distance), format!("{:+.1}", one.heading_error_degrees));
+        let [ahead, left] = one.creature.map(metres);
+        let [light_ahead, light_left] = one.light.map(metres);
+        let (distance, error) = (metres(one.distance), format!("{:+.1}", one.heading_error_degrees));
         vec![format!("{:.1}", one.seconds), distance, error, ahead, left, light_ahead, light_left]
     };
     // A row a second, and the last moment.
@@ -107,6 +107,11 @@ pub(super) fn print(shown: &Demonstration, every: u32, output: Output) -> Result
     output.line(format!("`{}`: {}", shown.skill, summary(shown)))
 }
 
+/// To the centimetre; what rounds to zero has no sign.
+fn metres(length: f64) -> String {
+    format!("{:.2}", (100.0 * length).round() / 100.0 + 0.0)
+}
+
 /// In one line.
 fn summary(shown: &Demonstration) -> String {
     let Some(last) = shown.sightings.last() else { return fault(shown) };
@@ -115,7 +120,7 @@ fn summary(shown: &Demonstration) -> String {
     let mut text = format!(
         "{:.1} s, mean distance {} m, mean heading error {:.1} degrees",
         last.seconds,
-        number::figure(mean(|one| one.distance)),
+        metres(mean(|one| one.distance)),
         mean(|one| one.heading_error_degrees.abs())
     );
     if shown.fault.is_some() {
@@ -175,6 +180,7 @@ mod tests {
         assert_eq!((shown.sightings.len(), shown.skill.as_str()), (91, "it"));
         let text = summary(&shown);
         assert!(text.starts_with("1.5 s, mean distance 3."), "{text}");
+        assert_eq!([metres(-1e-16), metres(-1.006)], ["0.00", "-1.01"]);
     }
 
     #[test]
