@@ -1,5 +1,6 @@
 //! Arguments as they are typed. It opens nothing, dials nothing and reads no file.
 
+mod replay;
 mod stages;
 
 use std::path::PathBuf;
@@ -7,6 +8,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser};
 use coordinator::lineage::VIEWS;
 
+pub(crate) use replay::Replay;
 pub(crate) use stages::{Amend, Candidates, Fork, Pick};
 
 /// Evolve virtual creatures, and ask what became of them.
@@ -258,53 +260,6 @@ pub(crate) struct AskExperiment {
     pub(crate) ask: Ask,
 }
 
-/// `hatchery replay`.
-#[derive(Debug, Args)]
-#[command(after_help = REPLAY_HELP)]
-pub(crate) struct Replay {
-    /// Its number
-    #[arg(value_name = "INDIVIDUAL")]
-    pub(crate) individual: u64,
-    /// Write where everything was at every step, as lines of JSON
-    #[arg(long, value_name = "FILE")]
-    pub(crate) recording: Option<PathBuf>,
-    /// Draw a contact sheet: views down, moments across, and where it went
-    #[arg(long, value_name = "FILE.png", value_parser = png)]
-    pub(crate) picture: Option<PathBuf>,
-    /// Which trial is recorded and drawn, of an evaluation that has several
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
-    pub(crate) trial: u32,
-    /// Record one step in so many
-    #[arg(long, value_name = "STEPS", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
-    pub(crate) every: u32,
-    /// Show a skill under a light that moves as this file says instead; nothing is compared
-    #[arg(long, value_name = "SCRIPT.toml", conflicts_with = "trial")]
-    pub(crate) light: Option<PathBuf>,
-    /// Which skill is on under the light; the one last tested unless it is named
-    #[arg(long, value_name = "SKILL", requires = "light")]
-    pub(crate) skill: Option<String>,
-    /// Whom to ask.
-    #[command(flatten)]
-    pub(crate) ask: Ask,
-}
-
-const REPLAY_HELP: &str = "\
-Examples:
-  hatchery replay 4711 --picture 4711.png
-  hatchery replay 4711 --recording 4711.jsonl --every 4
-  hatchery replay 4711 --light round.toml --skill move_to_light --picture round.png
-
-docs/recordings.md says what a recording holds and how a notebook reads it. The exit code is 1 if the fitness
-differs in any bit from what the lineage has; what was asked for is written all the same.";
-
-fn png(typed: &str) -> Result<PathBuf, String> {
-    let file = PathBuf::from(typed);
-    match file.extension() {
-        Some(extension) if extension.eq_ignore_ascii_case("png") => Ok(file),
-        _ => Err("pictures are PNG: name the file .png".to_owned()),
-    }
-}
-
 /// An order to a coordinator about an experiment, or about every cell of a matrix.
 #[derive(Debug, Args)]
 pub(crate) struct Control {
@@ -488,12 +443,6 @@ mod tests {
     #[test]
     fn the_arguments_are_well_formed() {
         Arguments::command().debug_assert();
-    }
-
-    #[test]
-    fn a_picture_is_named_as_what_it_is() {
-        assert_eq!(png("a/b.png"), Ok(PathBuf::from("a/b.png")));
-        assert!(png("a.svg").is_err() && png("png").is_err());
     }
 
     #[test]

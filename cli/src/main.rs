@@ -4,7 +4,7 @@
 //! ```text
 //! arguments  as typed                     connect  a coordinator dialled, or a file served here
 //! command/   one command a file           render/  text, tables, JSON, bars, errors
-//! compare/   the published comparison     picture/ a recording as a contact sheet
+//! compare/   the published comparison     picture/ a recording as sheet, film, chart
 //! crew       the worker processes of `run`
 //! exit       failures and exit codes      signals  Ctrl-C, once and twice
 //! ```

@@ -112,6 +112,13 @@ impl SpecError {
     pub fn new(path: impl Into<String>, problem: impl Into<String>) -> Self {
         SpecError { path: path.into(), problem: problem.into() }
     }
+
+    /// The same problem as seen from the table that holds this one under a key.
+    #[must_use]
+    pub fn below(self, key: &str) -> Self {
+        let dot = if self.path.is_empty() || self.path.starts_with('[') { "" } else { "." };
+        SpecError { path: format!("{key}{dot}{}", self.path), ..self }
+    }
 }
 
 /// Reads a table of an experiment into its type; unknown keys are errors where the type says so.

@@ -89,7 +89,7 @@ mod tests {
         Cull { at: 0.25, cutoff, control: false }.verdict(measure)
     }
 
-    /// Flyer T-19, the rows that concern the rule: θ is a fifth of the distance of the least fit.
+    /// Flyer T-19, the rows that concern the rule, and fishes AF-19: θ is a fifth of the distance of the least fit.
     #[test]
     fn the_cutoff_is_a_fifth_of_what_the_least_fit_completed_individual_reached() {
         use Status::{Aborted, Completed, Culled};

@@ -98,6 +98,7 @@ fn a_coordinator_that_is_told_to_stop_commits_and_goes_on_later() {
     assert_eq!(hatchery.client().hash(id), local::lineage(&text));
 }
 
+/// Fishes AF-2.
 #[test]
 fn a_worker_of_other_physics_or_another_release_is_refused_with_both_shown() {
     let mut hatchery = Hatchery::new();

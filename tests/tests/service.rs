@@ -135,6 +135,7 @@ fn two_experiments_at_once_share_the_workers_fairly() {
     assert!(behind.evaluated < 4000 * 20 / 2, "the short one waited for most of it: {behind:#?}");
 }
 
+/// Fishes AF-19, of a first generation.
 #[test]
 fn a_cull_is_recorded_with_its_rule_step_measure_and_cutoff() {
     let hatchery = Hatchery::with_workers(2);

@@ -12,6 +12,7 @@ mod export;
 mod fork;
 mod hash;
 mod import;
+mod life;
 mod lineage;
 mod list;
 mod pick;

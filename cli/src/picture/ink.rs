@@ -18,6 +18,8 @@ const TENSE: RGBColor = RGBColor(213, 40, 0);
 const TRUNK: RGBColor = RGBColor(150, 150, 155);
 const LEFT: RGBColor = RGBColor(86, 180, 233);
 const RIGHT: RGBColor = RGBColor(230, 159, 0);
+/// What their colours say.
+pub(super) const SIDES: [(&str, RGBColor); 2] = [("left", LEFT), ("right", RIGHT)];
 /// Of kinds of creatures, in the order in which a scene has them.
 const KINDS: [RGBColor; 4] =
     [RGBColor(213, 94, 0), RGBColor(0, 158, 115), RGBColor(0, 114, 178), RGBColor(230, 159, 0)];
@@ -37,7 +39,7 @@ pub(super) fn colours(scene: &Scene) -> Vec<RGBColor> {
 /// What the colours say.
 pub(super) fn legend(scene: &Scene) -> Vec<(&str, RGBColor)> {
     if has_sides(scene) {
-        return vec![("left", LEFT), ("right", RIGHT)];
+        return SIDES.to_vec();
     }
     if !scene.cords.is_empty() {
         return vec![("slack", SLACK), ("active", TENSE)];
@@ -80,7 +82,8 @@ fn kind(name: &str) -> &str {
     name.rsplit_once('_').map_or(name, |(kind, _)| kind)
 }
 
-fn side(part: &str) -> RGBColor {
+/// The colour of a part's or a muscle's side, by its name.
+pub(super) fn side(part: &str) -> RGBColor {
     if part.starts_with("left") {
         LEFT
     } else if part.starts_with("right") {

@@ -1,9 +1,12 @@
-//! A recording as a picture: a contact sheet as PNG. It draws what was recorded and moves nothing.
+//! A recording as a picture: a contact sheet, a film from above, a chart of its muscles. It draws what was recorded
+//! and moves nothing.
 
 mod cell;
 mod charts;
 mod ink;
+mod lanes;
 mod moments;
+mod muscles;
 mod ruler;
 mod sheet;
 mod solid;
@@ -18,14 +21,30 @@ use plotters::drawing::IntoDrawingArea;
 
 use crate::render::letters;
 use cell::Pixels;
+pub(crate) use lanes::beside;
+pub(crate) use muscles::draw as muscles;
 use sheet::{SHARP, Sheet};
 
-/// Draws the contact sheet of a recording into a file, which is named `.png`.
+/// How a recording is laid out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Layout {
+    /// Several views of the whole, with charts of where it went.
+    Contact,
+    /// Moments from above alone, by a camera that stands still.
+    Film,
+}
+
+/// Draws a recording into a file, which is named `.png`.
 ///
 /// # Errors
 /// Nothing was recorded, or the file cannot be written.
-pub(crate) fn draw(recording: &Recording, title: &str, subtitle: &str, file: &Path) -> anyhow::Result<()> {
-    let sheet = shrunk(&pixels(recording, title, subtitle)?);
+pub(crate) fn draw(
+    recording: &Recording,
+    layout: Layout,
+    [title, subtitle]: &[String; 2],
+    file: &Path,
+) -> anyhow::Result<()> {
+    let sheet = shrunk(&pixels(recording, layout, [title, subtitle])?);
     let mut backend = BitMapBackend::new(file, sheet.size);
     backend
         .blit_bitmap((0, 0), sheet.size, &sheet.bytes)
@@ -34,12 +53,15 @@ pub(crate) fn draw(recording: &Recording, title: &str, subtitle: &str, file: &Pa
 }
 
 /// The sheet before it is shrunk.
-fn pixels(recording: &Recording, title: &str, subtitle: &str) -> anyhow::Result<Pixels> {
+fn pixels(recording: &Recording, layout: Layout, [title, subtitle]: [&str; 2]) -> anyhow::Result<Pixels> {
     if recording.shots.is_empty() || recording.scene.creatures.is_empty() {
         return Err(anyhow!("there is nothing to draw: no frame was recorded"));
     }
     letters::register();
-    let sheet = Sheet::of(recording);
+    let sheet = match layout {
+        Layout::Contact => Sheet::of(recording),
+        Layout::Film => Sheet::film(recording),
+    };
     let size = sheet.size();
     let mut bytes = vec![255; (size.0 * size.1 * 3) as usize];
     {

@@ -28,6 +28,17 @@ pub(super) fn stretch(shots: &[Shot], count: usize) -> Option<Band<'_>> {
     Some(Band { name: "a stretch of it", shots: spread(of, count) })
 }
 
+/// So many moments of all, in lines of so many: a film.
+pub(super) fn film(shots: &[Shot], lines: usize, count: usize) -> Vec<Band<'_>> {
+    let moments = spread(shots, lines * count);
+    let name = |line| if line == 0 { "film" } else { "" };
+    moments
+        .chunks(count)
+        .enumerate()
+        .map(|(line, of)| Band { name: name(line), shots: of.to_vec() })
+        .collect()
+}
+
 /// Evenly spread over all, first and last included; all if they are fewer.
 fn spread(shots: &[Shot], count: usize) -> Vec<&Shot> {
     if shots.len() <= count {
@@ -55,6 +66,14 @@ mod tests {
         let shots = shots(1601);
         assert_eq!(times(&whole(&shots, 5).shots), [0.0, 400.0, 800.0, 1200.0, 1600.0]);
         assert_eq!(times(&stretch(&shots, 5).unwrap().shots), [800.0, 849.0, 899.0, 949.0, 999.0]);
+    }
+
+    #[test]
+    fn a_film_goes_on_in_the_next_line() {
+        let shots = shots(71);
+        let lines: Vec<_> = film(&shots, 2, 4).iter().map(|band| times(&band.shots)).collect();
+        assert_eq!(lines, [[0.0, 10.0, 20.0, 30.0], [40.0, 50.0, 60.0, 70.0]]);
+        assert_eq!(film(&shots[..5], 2, 4).iter().map(|band| band.shots.len()).collect::<Vec<_>>(), [4, 1]);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::cell::{Camera, Pixels};
-use super::moments::{Band, stretch, whole};
+use super::moments::{Band, film, stretch, whole};
 use super::view::View;
 use super::{charts, ink, ruler, solid};
 
@@ -47,6 +47,8 @@ pub(super) struct Sheet<'a> {
     scale: f64,
     /// The place that the cameras look at, if they do not follow the creature.
     fixed: Option<DVec3>,
+    /// Whether charts of where it went are beneath.
+    is_charted: bool,
 }
 
 impl<'a> Sheet<'a> {
@@ -65,7 +67,8 @@ impl<'a> Sheet<'a> {
                 (view, (ROOM_WIDTH, (size.y.ceil() as u32).clamp(40, 4 * ROOM_WIDTH)))
             });
             let bands = vec![whole(&recording.shots, ROOM_COLUMNS)];
-            return Sheet { recording, bands, rows: rows.to_vec(), scale, fixed: Some(middle) };
+            let rows = rows.to_vec();
+            return Sheet { recording, bands, rows, scale, fixed: Some(middle), is_charted: true };
         }
         let mut bands = vec![whole(&recording.shots, COLUMNS)];
         bands.extend(stretch(&recording.shots, COLUMNS));
@@ -73,7 +76,7 @@ impl<'a> Sheet<'a> {
         let is_soft =
             scene.parts.iter().flat_map(|part| &part.shapes).any(|shape| matches!(shape, Shape::Skin { .. }));
         let views = if is_soft { vec![side, above] } else { vec![side, above, front] };
-        let mut sheet = Sheet { recording, bands, rows: vec![], scale: 1.0, fixed: None };
+        let mut sheet = Sheet { recording, bands, rows: vec![], scale: 1.0, fixed: None, is_charted: true };
         let extents: Vec<DVec2> = views.iter().map(|view| sheet.reach(view)).collect();
         let widest = extents.iter().map(|extent| extent.x).fold(0.0, f64::max);
         sheet.scale = FILL * 0.5 * f64::from(WIDTH) / widest;
@@ -91,16 +94,30 @@ impl<'a> Sheet<'a> {
         sheet
     }
 
+    /// Lays out a film: moments from above by a camera that stands still and holds whoever swims, walks or flies.
+    pub(super) fn film(recording: &'a Recording) -> Sheet<'a> {
+        let above = View::above(&recording.scene);
+        let bands = film(&recording.shots, FILM_LINES, FILM_COLUMNS);
+        let drawn = bands.iter().flat_map(|band| &band.shots);
+        let bodies = drawn.flat_map(|shot| bodies(recording, shot));
+        let ways = recording.shots.iter().flat_map(|shot| shot.frame.centers.iter().copied());
+        let points: Vec<DVec3> = bodies.chain(ways).collect();
+        let low = points.iter().copied().reduce(DVec3::min).unwrap_or_default();
+        let high = points.iter().copied().reduce(DVec3::max).unwrap_or_default();
+        let middle = 0.5 * (low + high);
+        let reach = extent(&points, middle, &above).max(DVec2::splat(f64::MIN_POSITIVE));
+        let height_max = f64::from(FILM_HEIGHT_MAX);
+        let scale = FILL * 0.5 * (f64::from(FILM_WIDTH) / reach.x).min(height_max / reach.y);
+        let height = (2.0 * reach.y * scale / FILL).ceil() as u32;
+        let rows = vec![(above, (FILM_WIDTH, height.clamp(FILM_WIDTH / 8, FILM_HEIGHT_MAX)))];
+        Sheet { recording, bands, rows, scale, fixed: Some(middle), is_charted: false }
+    }
+
     /// How far the creature reaches from its centre in a view at any moment drawn.
     fn reach(&self, view: &View) -> DVec2 {
         let shots = self.bands.iter().flat_map(|band| &band.shots);
         let reach = shots.fold(DVec2::ZERO, |most, shot| {
-            let parts = self.recording.scene.parts.iter().zip(&shot.frame.poses);
-            let own = parts.filter(|(part, _)| part.creature.is_some());
-            let points: Vec<DVec3> = own
-                .flat_map(|(part, pose)| part.shapes.iter().flat_map(|shape| solid::extremes(shape, pose)))
-                .collect();
-            most.max(extent(&points, center(shot), view))
+            most.max(extent(&bodies(self.recording, shot), center(shot), view))
         });
         if reach.min_element() > 0.0 { reach } else { DVec2::ONE }
     }
@@ -121,7 +138,8 @@ impl<'a> Sheet<'a> {
     /// Pixels across and down, before they are averaged.
     pub(super) fn size(&self) -> (u32, u32) {
         let width = self.row_width().max(WIDTH_MIN) + 2 * MARGIN;
-        let height = HEADER + self.bands.len() as u32 * self.band_height() + CHARTS_GAP + CHARTS + 2 * MARGIN;
+        let charts = if self.is_charted { CHARTS_GAP + CHARTS } else { 0 };
+        let height = HEADER + self.bands.len() as u32 * self.band_height() + charts + 2 * MARGIN;
         (width.next_multiple_of(SHARP), height.next_multiple_of(SHARP))
     }
 
@@ -148,6 +166,9 @@ impl<'a> Sheet<'a> {
                 let at = (left, (y + height / 2 - 7 * SHARP) as i32);
                 area.draw(&Text::new(view.name, at, font(12)))?;
             }
+        }
+        if !self.is_charted {
+            return Ok(());
         }
         let (width, height) = self.size();
         let top = height - MARGIN - CHARTS;
@@ -216,12 +237,24 @@ const WIDTH: u32 = 150 * SHARP;
 /// The same where it sees all of a room.
 const ROOM_COLUMNS: usize = 5;
 const ROOM_WIDTH: u32 = 240 * SHARP;
+/// Lines and columns of a film, and the pixels of its cells.
+const FILM_LINES: usize = 2;
+const FILM_COLUMNS: usize = 4;
+const FILM_WIDTH: u32 = 270 * SHARP;
+const FILM_HEIGHT_MAX: u32 = 360 * SHARP;
 /// The charts want so much.
 const WIDTH_MIN: u32 = 900 * SHARP;
 
 /// Of the creature that a camera follows.
 fn center(shot: &Shot) -> DVec3 {
     shot.frame.centers.first().copied().unwrap_or_default()
+}
+
+/// The points of all creatures that matter to how much room they take.
+pub(super) fn bodies(recording: &Recording, shot: &Shot) -> Vec<DVec3> {
+    let parts = recording.scene.parts.iter().zip(&shot.frame.poses);
+    let own = parts.filter(|(part, _)| part.creature.is_some());
+    own.flat_map(|(part, pose)| part.shapes.iter().flat_map(|shape| solid::extremes(shape, pose))).collect()
 }
 
 /// How far points lie from a place in a view, across and up.

@@ -52,6 +52,7 @@ fn the_least_loaded_worker_is_served_first() {
     ]);
 }
 
+/// Fishes AF-16.
 #[test]
 fn a_dead_worker_costs_time_and_nothing_else() {
     let rig = Rig::new().run(&[
@@ -168,7 +169,7 @@ fn what_a_worker_holds_in_vain_is_revoked() {
     ]);
 }
 
-/// Walker X-18.
+/// Walker X-18, fishes AF-15.
 #[test]
 fn a_result_sent_twice_changes_nothing_and_one_of_other_bits_raises_an_alarm() {
     let rig = Rig::new().run(&[

@@ -74,9 +74,8 @@ impl TaskTable {
         }
         let mut tests: Vec<Test> = Vec::with_capacity(self.tests.len());
         for (place, table) in self.tests.iter().enumerate() {
-            let test = self
-                .test(&syllabus, table)
-                .map_err(|error| SpecError::new(format!("tests[{place}].{}", error.path), error.problem))?;
+            let test =
+                self.test(&syllabus, table).map_err(|error| error.below(&format!("tests[{place}]")))?;
             if tests.iter().any(|other| other.skill == test.skill) {
                 let problem = format!("`{}` is tested already", table.skill);
                 return Err(SpecError::new(format!("tests[{place}].skill"), problem));
@@ -84,8 +83,7 @@ impl TaskTable {
             tests.push(test);
         }
         self.check_impacts(&syllabus, &tests)?;
-        let physics = self.physics.checked();
-        let physics = physics.map_err(|e| SpecError::new(format!("physics.{}", e.path), e.problem))?;
+        let physics = self.physics.checked().map_err(|error| error.below("physics"))?;
         Ok(EspTask { syllabus, tests, impacts: self.impacts.clone(), physics })
     }
 
@@ -118,7 +116,7 @@ impl TaskTable {
         let fitness = match &table.fitness {
             None => usual.clone(),
             Some(phase) => {
-                let fitness = Fitness::read(phase).map_err(in_fitness)?;
+                let fitness = Fitness::read(phase).map_err(|error| error.below("fitness"))?;
                 if fitness.kind() != usual.kind() {
                     let problem = format!("`{}` is of kind `{}`", table.skill, usual.kind());
                     return Err(SpecError::new("fitness.kind", problem));
@@ -185,11 +183,6 @@ fn strikes(syllabus: &Syllabus, fitness: &Fitness) -> impl Iterator<Item = Strin
         }
     }
     strikes.into_iter()
-}
-
-fn in_fitness(error: SpecError) -> SpecError {
-    let path = if error.path.is_empty() { "fitness".to_owned() } else { format!("fitness.{}", error.path) };
-    SpecError::new(path, error.problem)
 }
 
 impl EspTask {

@@ -15,33 +15,58 @@ const NOISE: f64 = 1e-24;
 ///
 /// Samples that do not swing leave a controller without oscillations, which is none to swim with (AF-20).
 pub fn abstracted(samples: &Samples, oscillations: usize) -> Controller {
-    let count = samples.count as usize;
-    let spectra: Vec<Vec<(f64, f64)>> =
-        (0..MUSCLES).map(|muscle| spectrum(samples.of_muscle(muscle))).collect();
-    let power = |k: usize| -> f64 {
-        let of_muscle = |spectrum: &Vec<(f64, f64)>| {
-            let (real, imaginary) = spectrum[k];
-            real * real + imaginary * imaginary
-        };
-        spectra.iter().map(of_muscle).sum()
-    };
-    let mut ranked: Vec<usize> = (1..=(count - 1) / 2).filter(|&k| power(k) > NOISE).collect();
-    ranked.sort_by(|&a, &b| power(b).total_cmp(&power(a))); // stable: of equals the lowest frequency
+    let spectra = spectra(samples);
+    let mut ranked: Vec<usize> = ranked(&spectra).into_iter().map(|(k, _)| k).collect();
     ranked.truncate(oscillations);
 
-    let n = count as f64;
-    let kept = |spectrum: &Vec<(f64, f64)>| ranked.iter().map(|&k| spectrum[k]).collect::<Vec<_>>();
+    let n = f64::from(samples.count);
+    let kept = |spectrum: &Spectrum| ranked.iter().map(|&k| spectrum[k]).collect::<Vec<_>>();
     let parts: Vec<(f64, f64)> = spectra.iter().flat_map(kept).collect();
     Controller {
-        frequency: ranked.iter().map(|&k| TAU * k as f64 / (n * samples.spacing())).collect(),
+        frequency: ranked.iter().map(|&k| frequency(samples, k)).collect(),
         offset: spectra.iter().map(|spectrum| (spectrum[0].0 / n).clamp(0.0, 1.0)).collect(),
         amplitude: parts.iter().map(|(re, im)| 2.0 * (re * re + im * im).sqrt() / n).collect(),
         phase: parts.iter().map(|&(re, im)| atan2(im, re)).collect(),
     }
 }
 
+/// The share of what swings, by power summed over muscles, that each frequency has which swings at all: by angle in a
+/// unit of time, the strongest first.
+pub fn shares(samples: &Samples) -> Vec<(f64, f64)> {
+    let ranked = ranked(&spectra(samples));
+    let whole: f64 = ranked.iter().map(|(_, power)| power).sum();
+    ranked.into_iter().map(|(k, power)| (frequency(samples, k), power / whole)).collect()
+}
+
+/// Of one muscle function: real and imaginary part by frequency.
+type Spectrum = Vec<(f64, f64)>;
+
+fn spectra(samples: &Samples) -> Vec<Spectrum> {
+    (0..MUSCLES).map(|muscle| spectrum(samples.of_muscle(muscle))).collect()
+}
+
+/// Every frequency that is more than rounding, with its power summed over muscles, the strongest first.
+fn ranked(spectra: &[Spectrum]) -> Vec<(usize, f64)> {
+    let power = |k: usize| -> f64 {
+        let of_muscle = |spectrum: &Spectrum| {
+            let (real, imaginary) = spectrum[k];
+            real * real + imaginary * imaginary
+        };
+        spectra.iter().map(of_muscle).sum()
+    };
+    let frequencies = 1..spectra.first().map_or(1, Vec::len);
+    let mut ranked: Vec<_> = frequencies.map(|k| (k, power(k))).filter(|&(_, power)| power > NOISE).collect();
+    ranked.sort_by(|(_, a), (_, b)| b.total_cmp(a)); // stable: of equals the lowest frequency
+    ranked
+}
+
+/// ω of k beats in all the samples.
+fn frequency(samples: &Samples, k: usize) -> f64 {
+    TAU * k as f64 / (f64::from(samples.count) * samples.spacing())
+}
+
 /// F_k = Σ x_i e^(−2πi k i/N) for k from 0 to below N/2.
-fn spectrum(samples: &[f64]) -> Vec<(f64, f64)> {
+fn spectrum(samples: &[f64]) -> Spectrum {
     let count = samples.len();
     let part = |k: usize| {
         let turn = |i: usize| TAU * ((k * i) % count) as f64 / count as f64;
@@ -93,6 +118,10 @@ mod tests {
         assert_eq!(frequencies(2).len(), 2);
         assert!((frequencies(2)[1] - unit * 5.0).abs() < 1e-12);
         assert_eq!(frequencies(7).len(), 2, "the rest is rounding");
+        // 11 · 0.2² and 0.4².
+        let shares = shares(&samples);
+        assert_eq!(shares.iter().map(|(frequency, _)| *frequency).collect::<Vec<_>>(), frequencies(2));
+        assert!((shares[0].1 - 0.44 / 0.6).abs() < 1e-12 && (shares[1].1 - 0.16 / 0.6).abs() < 1e-12);
         let two = abstracted(&samples, 2);
         assert!((two.amplitude[2 * 4 + 1] - 0.4).abs() < 1e-14 && two.amplitude[2 * 4].abs() < 1e-14);
     }
@@ -100,6 +129,7 @@ mod tests {
     /// AF-20
     #[test]
     fn constant_samples_leave_an_offset_and_nothing_to_swim_with() {
+        assert_eq!(shares(&samples(|_, _| 0.3)), []);
         let controller = abstracted(&samples(|_, _| 0.3), 1);
         assert_eq!(controller.oscillations(), 0);
         assert!((controller.offset[0] - 0.3).abs() < 1e-15);

@@ -142,16 +142,16 @@ impl FishTask {
         };
         let fish = body.fish()?;
         let started = lessons.into_iter().map(|(path, lesson)| {
-            lesson.check().and_then(|()| lesson.start(&fish)).map_err(|error| below(&path, error))
+            lesson.check().and_then(|()| lesson.start(&fish)).map_err(|error| error.below(&path))
         });
         let starts = started.collect::<Result<_, _>>()?;
         match &self {
             FishTask::Drill(_) => {}
-            FishTask::Race(race) => race.course.check().map_err(|error| below("course", error))?,
-            FishTask::Buoys(buoys) => buoys.course.check().map_err(|error| below("course", error))?,
+            FishTask::Race(race) => race.course.check().map_err(|error| error.below("course"))?,
+            FishTask::Buoys(buoys) => buoys.course.check().map_err(|error| error.below("course"))?,
             FishTask::Learning(learning) => {
-                learning.race.check().map_err(|error| below("race", error))?;
-                learning.buoys.check().map_err(|error| below("buoys", error))?;
+                learning.race.check().map_err(|error| error.below("race"))?;
+                learning.buoys.check().map_err(|error| error.below("buoys"))?;
             }
         }
         Ok(Ready { task: self, fish, starts })
@@ -174,10 +174,6 @@ impl FishTask {
             FishTask::Learning(_) => "learning",
         }
     }
-}
-
-fn below(table: &str, error: SpecError) -> SpecError {
-    SpecError { path: format!("{table}.{}", error.path), ..error }
 }
 
 /// A task with the fish that it starts with.

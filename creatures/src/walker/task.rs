@@ -107,7 +107,7 @@ impl WalkerTask {
         if self.seconds * f64::from(self.physics_hz) > STEPS_MAX {
             return refuse("seconds", format!("more than {STEPS_MAX} physics steps"));
         }
-        self.world.check().map_err(|e| SpecError::new(format!("world.{}", e.path), e.problem))?;
+        self.world.check().map_err(|error| error.below("world"))?;
         Ok(self)
     }
 

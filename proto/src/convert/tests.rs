@@ -79,6 +79,7 @@ fn refused(outcome: v1::Outcome) -> String {
     Outcome::try_from(outcome).unwrap_err().to_string()
 }
 
+/// Fishes AF-15, of a fitness that is no number.
 #[test]
 fn a_bad_outcome_is_refused_by_the_name_of_its_field() {
     assert!(Outcome::try_from(completed()).is_ok());

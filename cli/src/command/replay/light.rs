@@ -1,7 +1,7 @@
 //! `hatchery replay --light`: an ESP creature shows a skill under a light that a script moves (ESP E-83, R-11). It
 //! tells distance and heading error over time, and compares nothing.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
 use creatures::esp::TaskTable;
@@ -10,19 +10,27 @@ use creatures::record::Keeper;
 use proto::v1::IndividualReply;
 use serde_json::json;
 
-use super::{genotype, subject, system, write};
+use super::super::life::{died, genotype, same_version, subject, system};
+use super::write;
 use crate::arguments::Replay;
 use crate::exit::Failure;
-use crate::picture;
+use crate::picture::{self, Layout};
 use crate::render::Output;
 use crate::render::table::{Column, table};
 
-/// Lives it, and writes what is asked for of what was seen.
-pub(super) fn watch(
-    recorded: &IndividualReply,
-    arguments: &Replay,
-    file: &Path,
-) -> Result<Demonstration, Failure> {
+/// Lives it, writes what is asked for of what was seen, and tells the rest.
+pub(super) async fn show(
+    recorded: IndividualReply,
+    script: PathBuf,
+    arguments: Replay,
+    output: Output,
+) -> Result<(), Failure> {
+    let (id, every) = (recorded.id, arguments.every);
+    let shown = tokio::task::spawn_blocking(move || watch(&recorded, &arguments, &script));
+    print(&shown.await.map_err(|error| died(id, error))??, every, output)
+}
+
+fn watch(recorded: &IndividualReply, arguments: &Replay, file: &Path) -> Result<Demonstration, Failure> {
     let script = read(file)?;
     let id = recorded.id;
     let genotype = genotype(recorded)?;
@@ -32,7 +40,7 @@ pub(super) fn watch(
             format!("individual {id} is of the system {}: only esp creatures see lights", system.name());
         return Err(Failure::Usage(text));
     }
-    super::same_version(recorded, genotype, system)?;
+    same_version(recorded, genotype, system)?;
     let task: TaskTable =
         serde_json::from_str(&recorded.task).with_context(|| format!("the task of individual {id}"))?;
     let task = task.check().with_context(|| format!("the task of individual {id}"))?;
@@ -55,7 +63,8 @@ pub(super) fn watch(
     if let Some(to) = &arguments.picture {
         let title =
             format!("esp {id} of {}, `{}` under a moving light", recorded.experiment_name, shown.skill);
-        picture::draw(recording.as_ref().ok_or_else(|| nothing(id))?, &title, &summary(&shown), to)?;
+        let recording = recording.as_ref().ok_or_else(|| nothing(id))?;
+        picture::draw(recording, Layout::Contact, &[title, summary(&shown)], to)?;
     }
     Ok(shown)
 }
@@ -76,7 +85,7 @@ fn read(file: &Path) -> Result<LightScript, Failure> {
 }
 
 /// With `--json` a line a sighting, one step in so many; otherwise a row a second.
-pub(super) fn print(shown: &Demonstration, every: u32, output: Output) -> Result<(), Failure> {
+fn print(shown: &Demonstration, every: u32, output: Output) -> Result<(), Failure> {
     if output.json {
         for sighting in shown.sightings.iter().step_by(every.max(1) as usize) {
             output.object(&serde_json::to_value(sighting).map_err(anyhow::Error::new)?)?;

@@ -59,11 +59,8 @@ impl Syllabus {
 }
 
 fn skill(index: usize, table: &SkillTable, uses: Vec<SkillId>) -> Result<Skill, SpecError> {
-    let fitness = Fitness::read(&table.fitness).map_err(|error| {
-        let path = format!("skill[{index}].fitness");
-        let path = if error.path.is_empty() { path } else { format!("{path}.{}", error.path) };
-        SpecError::new(path, error.problem)
-    })?;
+    let fitness =
+        Fitness::read(&table.fitness).map_err(|error| error.below(&format!("skill[{index}].fitness")))?;
     Ok(Skill {
         name: table.id.clone(),
         uses,

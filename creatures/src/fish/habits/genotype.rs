@@ -19,16 +19,16 @@ pub struct Genotype {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Payload {
+struct Payload<V> {
     version: u32,
-    genotype: Tagged,
+    genotype: Tagged<V>,
 }
 
 /// Told from a fish's other genotypes by its name.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Tagged {
-    Habits(Vec<Vector>),
+enum Tagged<V> {
+    Habits(V),
 }
 
 /// What stands in front; the rest is skipped.
@@ -37,36 +37,10 @@ struct Header {
     version: u32,
 }
 
-/// Habits as they are written: words are still words, so that an unknown one is told with all that is wrong.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Vector {
-    nature: String,
-    species: u32,
-    sex: String,
-    schooling: bool,
-    brightness_min: f64,
-    brightness_max: f64,
-    temperature_min: f64,
-    temperature_max: f64,
-    size: f64,
-    appetite: f64,
-    digestion: f64,
-    ardour: f64,
-    fear_min: f64,
-    panic: f64,
-    urge: f64,
-    sensitivity: f64,
-    persistence: f64,
-    vision: f64,
-    cruise: f64,
-}
-
 impl Genotype {
     /// The canonical bytes: version, then the vectors with their fields as A-60 orders them.
     pub fn encode(&self) -> Vec<u8> {
-        let habits = self.habits.iter().map(Vector::from).collect();
-        encoding::encode(&Payload { version: VERSION, genotype: Tagged::Habits(habits) })
+        encoding::encode(&Payload { version: VERSION, genotype: Tagged::Habits(&self.habits) })
     }
 
     /// Reads habits and checks that they are legal; nothing is clamped.
@@ -78,7 +52,7 @@ impl Genotype {
         if version != VERSION {
             return Err(DecodeError::version(version, VERSION));
         }
-        let Payload { genotype: Tagged::Habits(vectors), .. } = encoding::decode(bytes)?;
+        let Payload::<Vec<Worded>> { genotype: Tagged::Habits(vectors), .. } = encoding::decode(bytes)?;
         if !(1..=VECTORS_MAX).contains(&vectors.len()) {
             let problem = format!("{} vectors where 1 to {VECTORS_MAX} are legal", vectors.len());
             return Err(DecodeError::illegal("habits", problem));
@@ -98,7 +72,10 @@ impl Genotype {
     }
 }
 
-impl Vector {
+/// Habits as they are read: words are still words, so that an unknown one is told with all that is wrong.
+type Worded = Habits<String, String>;
+
+impl Worded {
     fn checked(self) -> Result<Habits, Vec<String>> {
         let nature = read_word::<Nature>("nature", &self.nature, "`predator`, `prey` or `pacifist`");
         let sex = read_word::<Sex>("sex", &self.sex, "`male` or `female`");
@@ -129,40 +106,7 @@ impl Vector {
     }
 }
 
-impl From<&Habits> for Vector {
-    fn from(habits: &Habits) -> Vector {
-        Vector {
-            nature: write_word(&habits.nature),
-            species: habits.species,
-            sex: write_word(&habits.sex),
-            schooling: habits.schooling,
-            brightness_min: habits.brightness_min,
-            brightness_max: habits.brightness_max,
-            temperature_min: habits.temperature_min,
-            temperature_max: habits.temperature_max,
-            size: habits.size,
-            appetite: habits.appetite,
-            digestion: habits.digestion,
-            ardour: habits.ardour,
-            fear_min: habits.fear_min,
-            panic: habits.panic,
-            urge: habits.urge,
-            sensitivity: habits.sensitivity,
-            persistence: habits.persistence,
-            vision: habits.vision,
-            cruise: habits.cruise,
-        }
-    }
-}
-
 fn read_word<'de, T: Deserialize<'de>>(field: &str, word: &'de str, known: &str) -> Result<T, String> {
     let word_of = serde::de::value::BorrowedStrDeserializer::<serde::de::value::Error>::new(word);
     T::deserialize(word_of).map_err(|_| format!("`{field}` `{word}` is none of {known}"))
-}
-
-fn write_word<T: Serialize>(word: &T) -> String {
-    match serde_json::to_value(word) {
-        Ok(serde_json::Value::String(word)) => word,
-        _ => unreachable!("a unit variant is written as its name"),
-    }
 }

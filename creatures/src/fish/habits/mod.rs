@@ -32,15 +32,17 @@ pub enum Sex {
     Female,
 }
 
-/// The habits of a fish. Lengths are in length units, rates by time unit.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Habits {
+/// The habits of a fish. Lengths are in length units, rates by time unit. Nature and sex are mere words until they
+/// are known to be legal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Habits<N = Nature, S = Sex> {
     /// Predator, prey or pacifist.
-    pub nature: Nature,
+    pub nature: N,
     /// Fishes of one number are conspecifics.
     pub species: u32,
     /// Male or female.
-    pub sex: Sex,
+    pub sex: S,
     /// Whether it seeks safety in a school.
     pub schooling: bool,
     /// b₀: darker water is uncomfortable.

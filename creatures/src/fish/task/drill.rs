@@ -65,7 +65,7 @@ impl Lesson {
         if self.approach > STEPS_MAX {
             return Err(SpecError::new("approach", format!("{} is above {STEPS_MAX}", self.approach)));
         }
-        self.objective.check().map_err(|error| super::below("objective", error))
+        self.objective.check().map_err(|error| error.below("objective"))
     }
 
     /// The fish as practice finds it.

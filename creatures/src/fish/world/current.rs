@@ -102,7 +102,7 @@ impl Currents {
     /// The number of the flow, its key, and what is allowed.
     pub fn check(&self) -> Result<(), SpecError> {
         for (index, current) in self.0.iter().enumerate() {
-            current.check().map_err(|e| SpecError::new(format!("[{index}].{}", e.path), e.problem))?;
+            current.check().map_err(|error| error.below(&format!("[{index}]")))?;
         }
         Ok(())
     }

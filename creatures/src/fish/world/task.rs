@@ -209,10 +209,10 @@ impl WorldTask {
             return refuse("tank", format!("is too small for {fishes} fishes two body lengths apart"));
         }
         for (index, obstacle) in self.obstacles.iter().enumerate() {
-            obstacle.check().map_err(|error| below(&format!("obstacles[{index}]."), error))?;
+            obstacle.check().map_err(|error| error.below(&format!("obstacles[{index}]")))?;
         }
-        self.currents.check().map_err(|error| below("currents", error))?;
-        self.climate.check().map_err(|error| below("climate.", error))?;
+        self.currents.check().map_err(|error| error.below("currents"))?;
+        self.climate.check().map_err(|error| error.below("climate"))?;
         self.check_weights()?;
         if let Some(Err(error)) = self.controllers.as_ref().map(ControllerSet::check) {
             return refuse("controllers", error.to_string());
@@ -379,10 +379,6 @@ pub fn proofs() -> Vec<Proof> {
         Proof { task, genotype: genotype.encode(), seed: 0 }
     };
     [Focus::Prey, Focus::Predator, Focus::Pacifist].map(proof).to_vec()
-}
-
-fn below(table: &str, error: SpecError) -> SpecError {
-    SpecError { path: format!("{table}{}", error.path), ..error }
 }
 
 impl Task for WorldTask {
