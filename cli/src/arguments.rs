@@ -31,10 +31,10 @@ Start here:
   hatchery replay INDIVIDUAL                   live it again, and compare the fitness bit for bit
 
 An experiment ID is `last`, a number or a name; the name of a matrix stands for all its cells.
-Exit codes: 0 done, 1 failed, 2 usage or bad input, 3 not found, 4 coordinator unreachable, 5 waiting for a
+Exit codes: 0 done, 1 failed, 2 usage or bad input, 3 not found, 4 coordinator unreachable, 5 waiting for a \
 pick, 130 interrupted.
-Environment: HATCHERY_JOIN (a client's join token), HATCHERY_JOIN_FILE (a file that holds one),
-HATCHERY_COORDINATOR (URL), HATCHERY_DB (file), HATCHERY_LOG (error, warn, info, debug, trace, or per module as
+Environment: HATCHERY_JOIN (a client's join token), HATCHERY_JOIN_FILE (a file that holds one), \
+HATCHERY_COORDINATOR (URL), HATCHERY_DB (file), HATCHERY_LOG (error, warn, info, debug, trace, or per module as \
 in `coordinator=debug`), NO_COLOR.";
 
 /// One command.
@@ -136,7 +136,7 @@ pub(crate) struct Ask {
 }
 
 const SOURCE_HELP: &str = "\
-Asks a coordinator (--coordinator, --join-file; HATCHERY_JOIN, HATCHERY_COORDINATOR) or reads a lineage file (--db, HATCHERY_DB, else
+Asks a coordinator (--coordinator, --join-file; HATCHERY_JOIN, HATCHERY_COORDINATOR) or reads a lineage file (--db, HATCHERY_DB, else \
 hatchery.db in the current folder), also while a run is writing it.";
 
 /// What changes an experiment file on its way in.
@@ -188,8 +188,8 @@ Examples:
   hatchery run experiments/hopper-neat.toml --set runs=5 --workers 2
   hatchery run experiments/grn-vs-neat.toml --profile smoke --db smoke.db
 
-If the lineage file holds the same experiment unfinished (the same file, profile and settings), it goes on
-where it stood; so a killed run costs what was in flight and no more. Ctrl-C commits and says how to go on;
+If the lineage file holds the same experiment unfinished (the same file, profile and settings), it goes on \
+where it stood; so a killed run costs what was in flight and no more. Ctrl-C commits and says how to go on; \
 a second Ctrl-C ends at once. A run that waits for a pick ends with exit code 5 and says what to type.";
 
 /// `hatchery check`.
@@ -245,8 +245,8 @@ Example:
   hatchery watch last --coordinator http://head:7878";
 
 const WATCH_HELP: &str = "\
-Bars on a terminal, one line a generation otherwise, one object a line with --json. Ends when every
-experiment watched has ended or waits for a pick: exit code 0 if all finished, 1 if one failed or was
+Bars on a terminal, one line a generation otherwise, one object a line with --json. Ends when every \
+experiment watched has ended or waits for a pick: exit code 0 if all finished, 1 if one failed or was \
 cancelled, 5 if one waits. Ctrl-C ends the watching alone.";
 
 /// A question to a coordinator or a file about one experiment.
@@ -351,9 +351,9 @@ Examples:
   hatchery sql \"SELECT operator, count(*), max(fitness) FROM v_individuals GROUP BY operator\"
   hatchery sql \"SELECT generation, best FROM v_generations WHERE run = 1\" --json
 
-The views are the documented interface: v_experiments v_stages v_generations v_individuals v_parents
-v_evaluations v_culls v_best v_ancestors v_species v_workers v_checkpoints v_candidates v_picks v_audits
-v_events. The connection can only read; a statement that would write, attach a file or run for ever is refused
+The views are the documented interface: v_experiments v_stages v_generations v_individuals v_parents \
+v_evaluations v_culls v_best v_ancestors v_species v_workers v_checkpoints v_candidates v_picks v_audits \
+v_events. The connection can only read; a statement that would write, attach a file or run for ever is refused \
 or stopped.";
 
 /// `hatchery export`.
@@ -417,8 +417,8 @@ Examples:
   hatchery compare grn-vs-neat --plot figures
   hatchery compare crawler-grn crawler-neat --csv curves.csv
 
-A run's result is the best fitness of its last generation. Cells of equal body and two methods are compared
-by Student's two-sided t-test (equal variances), with Welch's p beside it; the verdict is at 0.05. Runs that
+A run's result is the best fitness of its last generation. Cells of equal body and two methods are compared \
+by Student's two-sided t-test (equal variances), with Welch's p beside it; the verdict is at 0.05. Runs that \
 have not finished are counted and left out. The exit code is 0 only if the table is complete.";
 
 /// `hatchery completions`.

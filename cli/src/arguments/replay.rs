@@ -59,7 +59,7 @@ Examples:
   hatchery replay 4711 --beside 4712,4713 --film race.png --muscles race.svg --to 10
   hatchery replay 4711 --light round.toml --skill move_to_light --picture round.png
 
-docs/recordings.md says what a recording holds and how a notebook reads it. The exit code is 1 if the fitness
+docs/recordings.md says what a recording holds and how a notebook reads it. The exit code is 1 if the fitness \
 differs in any bit from what the lineage has; what was asked for is written all the same.";
 
 fn png(typed: &str) -> Result<PathBuf, String> {

@@ -43,8 +43,8 @@ Examples:
   hatchery candidates last
   hatchery pick last 4711 --note \"turns on the spot\"
 
-A coordinator (--coordinator, HATCHERY_COORDINATOR) goes on at once. A lineage file at rest (--db, HATCHERY_DB,
-else hatchery.db in the current folder) takes the pick, and the same `hatchery run` as before goes on with it.
+A coordinator (--coordinator, HATCHERY_COORDINATOR) goes on at once. A lineage file at rest (--db, HATCHERY_DB, \
+else hatchery.db in the current folder) takes the pick, and the same `hatchery run` as before goes on with it. \
 Who is no candidate, or picked where nothing is awaited, is refused, and nothing changes.";
 
 /// `hatchery amend`.
@@ -70,8 +70,8 @@ Example:
   hatchery pause last
   hatchery amend last fight-or-flight.toml
 
-An experiment that is paused, waits for a pick or has finished goes on with skills appended, or others changed
-that it has not begun. Everything else is refused, with every difference named, and nothing changes: fork it
+An experiment that is paused, waits for a pick or has finished goes on with skills appended, or others changed \
+that it has not begun. Everything else is refused, with every difference named, and nothing changes: fork it \
 instead (hatchery fork ID --after STAGE FILE). In a file at rest (--db), `hatchery run FILE` then goes on.";
 
 /// `hatchery fork`.
@@ -100,5 +100,5 @@ Examples:
   hatchery fork last --after left_turn                     and pick another one there
   hatchery fork last --after left_turn shorter.toml        and go on otherwise from there
 
-The stages up to there are shared, not copied: ancestors lead back into them. Who goes on from the end of the
+The stages up to there are shared, not copied: ancestors lead back into them. Who goes on from the end of the \
 last of them is picked anew. In a file at rest (--db), `hatchery run FILE` then goes on with the fork.";

@@ -192,7 +192,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let error =
             draw(&recorded("walker", 0), &captions(), &folder.path().join("a.png")).unwrap_err().to_string();
-        assert!(error.contains("fishes alone"), "{error}");
+        assert!(error.contains("fishes and ESP creatures"), "{error}");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 }
