@@ -11,15 +11,13 @@ use super::solid;
 const GAP: f64 = 0.1;
 
 /// One recording of all, which are named by the numbers of those that lived them: the first is on the left, and who
-/// stopped before the others stays where it stopped.
+/// stopped before the others stays where it stopped. Muscles are kept if all have the same.
 ///
 /// # Errors
 /// Recordings of different systems, or one of nothing.
 pub(crate) fn beside(recordings: &[(u64, Recording)]) -> anyhow::Result<Recording> {
     let [(first, like), others @ ..] = recordings else { return Err(anyhow!("there is nothing to draw")) };
-    let world = |scene: &Scene| {
-        (scene.up, scene.forward, scene.step.to_bits(), scene.length_unit.clone(), scene.muscles.clone())
-    };
+    let world = |scene: &Scene| (scene.up, scene.forward, scene.step.to_bits(), scene.length_unit.clone());
     if let Some((other, _)) = others.iter().find(|(_, other)| world(&other.scene) != world(&like.scene)) {
         return Err(anyhow!(
             "individuals {first} and {other} live in worlds that do not lie beside each other"
@@ -29,7 +27,11 @@ pub(crate) fn beside(recordings: &[(u64, Recording)]) -> anyhow::Result<Recordin
     let spans: Vec<[f64; 2]> = recordings.iter().map(|(_, recording)| span(recording, left)).collect();
     let gap = GAP * spans.iter().map(|[low, high]| high - low).fold(0.0, f64::max);
 
-    let mut scene = Scene { creatures: vec![], parts: vec![], props: vec![], ..like.scene.clone() };
+    let mut scene =
+        Scene { creatures: vec![], parts: vec![], props: vec![], cords: vec![], ..like.scene.clone() };
+    if others.iter().any(|(_, other)| other.scene.muscles != scene.muscles) {
+        scene.muscles.clear(); // a name would mean another muscle in each
+    }
     let mut ways = Vec::new();
     let mut edge = spans[0][1];
     for ((id, recording), [low, high]) in recordings.iter().zip(spans) {
