@@ -1,5 +1,5 @@
-//! What muscles did: creatures across, segments down, how far each muscle was contracted over time, as PNG or as
-//! SVG. Of two muscles on one side of a segment the second is the thin dark line.
+//! What muscles did: creatures across, segments or single muscles down, how far each muscle was contracted over time,
+//! as PNG or as SVG. Of two muscles on one side of a segment the second is the thin dark line.
 
 use std::path::Path;
 
@@ -17,8 +17,9 @@ const HEADER: u32 = 74;
 const FOOTER: u32 = 24;
 const LABELS: u32 = 48;
 const MARGIN: u32 = 10;
-/// Creatures at most: a picture beyond that can neither be read nor held in memory.
+/// Creatures and segments at most: a picture beyond that can neither be read nor held in memory.
 const CREATURES_MAX: usize = 32;
+const SEGMENTS_MAX: usize = 64;
 
 /// Draws what the muscles of every creature did in all of a recording.
 ///
@@ -47,16 +48,17 @@ impl<'a> Chart<'a> {
         let scene = &recording.scene;
         let mut segments: Vec<(&str, Vec<usize>)> = Vec::new();
         for (place, name) in scene.muscles.iter().enumerate() {
-            let segment = name.split('_').nth(1).unwrap_or(name);
+            let segment = segment(name);
             match segments.iter_mut().find(|(other, _)| *other == segment) {
                 Some((_, muscles)) => muscles.push(place),
                 None => segments.push((segment, vec![place])),
             }
         }
         if segments.is_empty() || recording.shots.is_empty() {
-            return Err(anyhow!(
-                "no muscles to draw: recordings of fishes and ESP creatures tell what they do"
-            ));
+            return Err(anyhow!("there are no muscles to draw: the recording tells of none"));
+        }
+        if segments.len() > SEGMENTS_MAX {
+            return Err(anyhow!("{} muscles below each other, at most {SEGMENTS_MAX}", segments.len()));
         }
         if scene.creatures.len() > CREATURES_MAX {
             return Err(anyhow!(
@@ -92,7 +94,9 @@ impl<'a> Chart<'a> {
             let time = (left + (PANEL_WIDTH + LABELS) as i32 / 2 - 12, 4);
             footer.draw(&Text::new("time", time, letters(13)))?;
         }
-        legend(&header)?;
+        if self.segments.iter().any(|(_, muscles)| muscles.len() > 1) {
+            legend(&header)?;
+        }
         let panels = panels.split_evenly((self.segments.len(), creatures.len()));
         let places =
             self.segments.iter().flat_map(|segment| (0..creatures.len()).map(move |of| (segment, of)));
@@ -147,6 +151,15 @@ impl<'a> Chart<'a> {
     }
 }
 
+/// Of `SIDE_SEGMENT_HEIGHT` the segment; a muscle of any other name has a panel for itself.
+fn segment(name: &str) -> &str {
+    let mut words = name.split('_');
+    match (words.next(), words.next()) {
+        (Some("left" | "right"), Some(segment)) => segment,
+        _ => name,
+    }
+}
+
 fn letters(size: u32) -> TextStyle<'static> {
     ("sans-serif", size).into_font().color(&ink::TEXT)
 }
@@ -188,11 +201,19 @@ mod tests {
     }
 
     #[test]
+    fn muscles_without_sides_have_a_panel_each() {
+        let recording = recorded("esp", 0);
+        let chart = Chart::of(&recording).unwrap();
+        assert_eq!(chart.segments.len(), recording.scene.muscles.len());
+        assert_eq!(["left_front_top", "left", "a_b"].map(segment), ["front", "left", "a_b"]);
+    }
+
+    #[test]
     fn who_has_no_muscles_is_not_drawn() {
         let folder = tempfile::tempdir().unwrap();
         let error =
             draw(&recorded("walker", 0), &captions(), &folder.path().join("a.png")).unwrap_err().to_string();
-        assert!(error.contains("fishes and ESP creatures"), "{error}");
+        assert!(error.contains("no muscles"), "{error}");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 }
