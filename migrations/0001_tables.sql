@@ -56,7 +56,7 @@ CREATE TABLE stage (
     name        TEXT    NOT NULL,
     seed        INTEGER NOT NULL,                                -- of the run
     generations INTEGER,                                         -- how many it takes, when known
-    task        TEXT CHECK (json_valid(task)),                   -- resolved; NULL: the experiment's
+    task        TEXT CHECK (task IS NULL OR json_valid(task)),   -- resolved; NULL: the experiment's
     traits      TEXT CHECK (json_type(traits) = 'array'),        -- their names, in the order of individual.traits
     measures    TEXT CHECK (json_type(measures) = 'array'),      -- their names, in the order of outcome.m0, m1, …
     begun_ms    INTEGER NOT NULL,

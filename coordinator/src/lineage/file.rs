@@ -30,13 +30,16 @@ const CACHE_KIB: u32 = 64 << 10;
 /// The right to write a file, as long as this lives. The operating system takes it back from a process that
 /// dies, so that nobody has to clean up after a kill.
 pub(crate) struct Lock {
-    _file: File,
+    _beside: File,
+    _database: File,
 }
 
 impl Lock {
-    /// Takes the lock of a database: `FILE-lock`, beside it.
+    /// Takes the lock of a database: `FILE-lock`, beside it, which says who holds it; and one on the file itself,
+    /// which it makes if need be, since a file may have several names.
     pub(crate) fn take(database: &Path) -> Result<Lock, OpenError> {
-        let path = beside(database, "-lock");
+        let named = std::fs::canonicalize(database).unwrap_or_else(|_| database.to_owned());
+        let path = beside(&named, "-lock");
         let mut file = OpenOptions::new()
             .read(true)
             .write(true)
@@ -59,7 +62,19 @@ impl Lock {
             .and_then(|()| file.rewind())
             .and_then(|()| writeln!(file, "process {}{host}", std::process::id()))
             .map_err(|error| refused(database, &error))?;
-        Ok(Lock { _file: file })
+        let itself = match File::open(database) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => File::create_new(database),
+            opened => opened,
+        };
+        let itself = itself.map_err(|error| refused(database, &error))?;
+        match itself.try_lock() {
+            // A file system without such locks has the one beside it all the same.
+            Ok(()) | Err(TryLockError::Error(_)) => Ok(Lock { _beside: file, _database: itself }),
+            Err(TryLockError::WouldBlock) => {
+                let holder = "a process that knows it by another name".to_owned();
+                Err(OpenError::Held { path: database.to_owned(), holder })
+            }
+        }
     }
 }
 

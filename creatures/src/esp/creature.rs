@@ -73,7 +73,7 @@ impl<'a> Creature<'a> {
     /// What went wrong while it settled, or that it did not.
     pub fn spawn(phenotype: &'a Phenotype, physics: Physics, start: Start) -> Result<Creature<'a>, Fault> {
         let mut creature = Creature::place(phenotype, physics, start);
-        creature.settle()?;
+        creature.settle(start)?;
         Ok(creature)
     }
 
@@ -138,12 +138,16 @@ impl<'a> Creature<'a> {
     }
 
     /// What still falls or rolls when its time is over would score by that alone, and so would the last of a roll
-    /// that counts as rest: the one is a fault, the other is stopped (E-20).
-    fn settle(&mut self) -> Result<(), Fault> {
+    /// that counts as rest: the one is a fault, the other is stopped (E-20). On their backs bodies that are at rest
+    /// otherwise may rock for long: they are stopped as well.
+    fn settle(&mut self, start: Start) -> Result<(), Fault> {
         let mut still = 0;
         while still < STILL_STEPS {
             if self.steps == SETTLING_STEPS {
-                return Err(self.fault(FaultKind::Unsettled(self.fastest())));
+                match start {
+                    Start::Rest => return Err(self.fault(FaultKind::Unsettled(self.fastest()))),
+                    Start::UpsideDown => break,
+                }
             }
             self.advance(&[])?;
             still = if self.fastest() < STILL { still + 1 } else { 0 };

@@ -30,6 +30,20 @@ async fn a_second_coordinator_is_refused_and_told_who_holds_the_file() {
 }
 
 #[tokio::test]
+async fn a_second_coordinator_is_refused_by_any_name_of_the_file() {
+    let house = House::new().await;
+    for (name, link) in
+        [("soft.db", std::os::unix::fs::symlink as fn(_, _) -> _), ("hard.db", std::fs::hard_link)]
+    {
+        let other = house.folder.path().join(name);
+        link(house.path(), other.clone()).unwrap();
+        let refused = error(&other).await;
+        assert!(matches!(refused, OpenError::Held { .. }), "{name}: {refused}");
+    }
+    house.reopened().await;
+}
+
+#[tokio::test]
 async fn a_newer_schema_is_refused_untouched() {
     let house = House::new().await;
     let path = house.path();

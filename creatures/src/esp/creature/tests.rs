@@ -195,11 +195,12 @@ fn twenty_random_bodies_stay_where_they_settled() {
 fn a_roll_from_the_spawn_does_not_score() {
     let body = lump(Shape::Capsule { radius: 0.2, half_length: 0.2 });
     let physics = Physics { rolling_resistance: 0.0, ..Physics::default() };
-    let roll = |speed: f64| {
-        let mut creature = Creature::place(&body, physics, Start::Rest);
+    let roll_in = |start, speed: f64| {
+        let mut creature = Creature::place(&body, physics, start);
         creature.world.push(0, DVec3::Y * speed * creature.mass * 240.0, DVec3::ZERO);
-        creature.settle().map(|()| creature)
+        creature.settle(start).map(|()| creature)
     };
+    let roll = |speed| roll_in(Start::Rest, speed);
     let fault = roll(1.0).err().unwrap();
     assert!(
         matches!(fault, Fault { kind: FaultKind::Unsettled(speed), step: 120, settled: false } if speed > 0.05)
@@ -210,6 +211,7 @@ fn a_roll_from_the_spawn_does_not_score() {
     assert!(place.y > 0.005, "it had rolled");
     (0..600).for_each(|_| slow.step(&[]).unwrap());
     assert!((slow.state.centre - place).length() < 1e-4, "{}", slow.state.centre);
+    assert!(roll_in(Start::UpsideDown, 1.0).unwrap().fastest() < 1e-9, "on its back it is stopped");
 }
 
 /// E-24, E-25: a muscle across a joint of any kind pulls its limb, and no joint comes apart.
