@@ -23,7 +23,7 @@ use crate::exit::Failure;
 /// Where a coordinator listens unless told otherwise.
 const COORDINATOR_DEFAULT: &str = "http://127.0.0.1:7878";
 /// The lineage that a command reads, in the current folder, unless told otherwise.
-const DB_DEFAULT: &str = "hatchery.db";
+pub(crate) const DB_DEFAULT: &str = "hatchery.db";
 
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 /// For answers that a coordinator gives from memory or from an index.
@@ -154,7 +154,7 @@ async fn dial(address: Address) -> Result<Line, Failure> {
             if text.contains(COORDINATOR_DEFAULT) {
                 text.push_str(
                     ": name one with --coordinator URL, HATCHERY_COORDINATOR or HATCHERY_JOIN, or start one with \
-                     hatchery-coordinator",
+                     hatchery-coordinator; a lineage file that is not ./hatchery.db is read with --db FILE",
                 );
             }
             Failure::Unreachable(text)

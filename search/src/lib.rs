@@ -21,7 +21,7 @@ pub mod syllabus;
 
 pub use checkpoint::RestoreError;
 pub use culling::Culling;
-pub use experiment::{Experiment, Overrides, Problem};
+pub use experiment::{Experiment, Overrides, Problem, read_table};
 pub use hash::{HashRow, LineageHasher};
 pub use place::Place;
 

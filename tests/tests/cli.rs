@@ -158,6 +158,13 @@ fn what_cannot_be_recorded_or_drawn_is_said() {
     assert!(!folder.join("b.png").exists());
     refused(folder, &["replay", &best, "--picture", "b.svg"], 2);
     refused(folder, &["replay", &best, "--trial", "0"], 2);
+    std::fs::write(
+        folder.join("light.toml"),
+        "point = [{ at = 0, ahead = 1, left = 0 }, { at = 1, ahead = 1, left = 1 }]",
+    )
+    .expect("the folder is writable");
+    let said = refused(folder, &["replay", &best, "--light", "light.toml"], 2);
+    assert!(said.contains("only esp creatures see lights"), "{said}");
     let said = refused(folder, &["replay", &best, "--recording", "nowhere/b.jsonl"], 1);
     assert!(said.contains("nowhere/b.jsonl"), "{said}");
 }

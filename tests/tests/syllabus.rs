@@ -1,6 +1,7 @@
 //! The ten skills of `fight-or-flight.toml`, learned by real creatures under the smoke profile, in both modes: killed
 //! in every kind of sub-stage, and what they cost (ESP E-60, E-69, E-85, E-92, T-12, T-13, R-3, R-4). The two skills of
-//! `high-reach.toml`: begun with a creature that was brought along, and forked (E-86, E-90).
+//! `high-reach.toml`: begun with a creature that was brought along, and forked (E-86, E-90). A creature of the ten
+//! under a light of a script (E-83, R-11).
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -241,4 +242,67 @@ fn a_fork_with_a_changed_file_comes_to_the_lineage_of_that_file() {
     assert_ne!(command::hash(folder.path(), "1"), command::hash(folder.path(), "2"));
     let own = "SELECT min(stage) FROM v_individuals WHERE experiment = 2";
     assert_eq!(command::count(folder.path(), own), 2, "what is shared is not copied");
+}
+
+/// E-83, R-11: a creature that has learned all ten lives anew under a light that a script moves, to the same bits each
+/// time, and what is recorded of its light is what the script says.
+#[test]
+fn a_creature_shows_a_skill_under_a_light_of_ones_own() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.join(name), text).expect("the folder is writable");
+    };
+    let file = workspace().join("experiments/fight-or-flight.toml").display().to_string();
+    command::succeed(folder, &["run", &file, "--profile", "smoke", "--workers", "2"]);
+    let last = "SELECT individual FROM v_best ORDER BY stage DESC LIMIT 1";
+    let one = command::count(folder, last).to_string();
+    let hash = command::hash(folder, "1");
+    write(
+        "light.toml",
+        "height = 0.4\npoint = [{ at = 0, ahead = 3, left = 0 }, { at = 1, ahead = 3, left = 2 }]",
+    );
+    let lived = |skill: &str, recording: &str| {
+        let light = ["replay", &one, "--light", "light.toml", "--skill", skill, "--recording", recording];
+        let seen = command::json_lines(folder, &[&light[..], &["--picture", "light.png"]].concat());
+        let text = std::fs::read_to_string(folder.join(recording)).expect("it was written");
+        (seen, text)
+    };
+    let (seen, recording) = lived("turn_to_light", "one.jsonl");
+    assert_eq!(lived("turn_to_light", "two.jsonl"), (seen.clone(), recording.clone()), "to the same bits");
+    assert_eq!(seen.len(), 61);
+    let light = |step: usize| seen[step]["light"].as_array().expect("ahead and left").clone();
+    for (step, left) in [(0, 0.0), (30, 1.0), (60, 2.0)] {
+        let found: Vec<f64> = light(step).iter().filter_map(serde_json::Value::as_f64).collect();
+        assert!((found[0] - 3.0).abs() < 1e-9 && (found[1] - left).abs() < 1e-9, "{found:?} at {step}");
+    }
+    let mut lines =
+        recording.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).expect("JSON"));
+    let header = lines.next().expect("a header");
+    assert_eq!(header["light"]["skill"], "turn_to_light");
+    let muscles = header["muscles"].as_array().expect("it has muscles").len();
+    assert_eq!(header["cords"].as_array().map(Vec::len), Some(muscles));
+    let active = |frame: &serde_json::Value| {
+        let all = frame["muscles"][0].as_array().expect("of the one creature").clone();
+        assert_eq!(all.len(), muscles);
+        all.iter().any(|one| one.as_f64().is_some_and(|one| one > 0.0))
+    };
+    let frames: Vec<_> = lines.collect();
+    assert_eq!(frames.len(), seen.len());
+    assert!(frames.iter().filter(|frame| active(frame)).count() > 0, "its skill drives muscles");
+    assert!(folder.join("light.png").metadata().is_ok_and(|picture| picture.len() > 1000));
+
+    write("bad.toml", "point = [\n{ at = 0, ahead = 3, left = 0 },\n{ at = 0, ahead = 3, left = 2 }]");
+    let refused = |rest: &[&str], code: i32, words: &str| {
+        let output = command::run(folder, &[&["replay", &one, "--light"], rest].concat());
+        let said = command::printed(&output);
+        assert_eq!((output.status.code(), said.contains(words)), (Some(code), true), "{rest:?}: {said}");
+    };
+    refused(&["bad.toml"], 2, "bad.toml:3:8: error: `point[1].at`");
+    refused(&["none.toml"], 3, "none.toml");
+    refused(&["light.toml", "--skill", "turn_to_lihgt"], 3, "did you mean `turn_to_light`?");
+    refused(&["light.toml", "--trial", "1"], 2, "--trial");
+    command::succeed(folder, &["replay", &one]);
+    assert!(command::succeed(folder, &["show", &one]).contains(&one));
+    assert_eq!(command::hash(folder, "1"), hash, "nothing was written into the lineage");
 }

@@ -3,14 +3,14 @@
 use proto::v1::{AmendRequest, SubmitRequest};
 use serde_json::json;
 
-use super::read_experiment;
+use super::read_text;
 use crate::arguments::Amend;
 use crate::connect::{Connection, PROMPT, Source, within};
 use crate::exit::Failure;
 use crate::render::{Output, json};
 
 pub(super) async fn amend(arguments: Amend, output: Output) -> Result<(), Failure> {
-    let text = read_experiment(&arguments.file)?;
+    let text = read_text(&arguments.file)?;
     let connection = Connection::open(&Source::of(&arguments.ask)?).await?;
     let (profile, set) = (arguments.overrides.profile.unwrap_or_default(), arguments.overrides.set);
     let file = Some(SubmitRequest { text: text.clone(), profile, set, ..Default::default() });

@@ -6,13 +6,13 @@ use proto::v1;
 use search::{Experiment, Problem};
 use serde_json::json;
 
-use super::read_experiment;
+use super::read_text;
 use crate::arguments::{Check, Overrides};
 use crate::exit::Failure;
 use crate::render::{Output, number};
 
 pub(super) fn check(arguments: &Check, output: Output) -> Result<(), Failure> {
-    let experiments = parse(&arguments.file, &read_experiment(&arguments.file)?, &arguments.overrides)?;
+    let experiments = parse(&arguments.file, &read_text(&arguments.file)?, &arguments.overrides)?;
     if output.json {
         return output.document(&json!({
             "file": arguments.file.display().to_string(),
@@ -40,11 +40,16 @@ pub(super) fn parse(file: &Path, text: &str, overrides: &Overrides) -> Result<Ve
         profile: overrides.profile.clone(),
         set: set.map(|(key, value)| (key.trim().to_owned(), value.trim().to_owned())).collect(),
     };
-    Experiment::parse(text, &overrides).map_err(|problems| Failure::Problems {
+    Experiment::parse(text, &overrides).map_err(|problems| refuse(file, text, problems))
+}
+
+/// The failure that shows the problems of a file.
+pub(super) fn refuse(file: &Path, text: &str, problems: Vec<Problem>) -> Failure {
+    Failure::Problems {
         file: file.to_owned(),
         text: text.to_owned(),
         problems: problems.into_iter().map(on_the_wire).collect(),
-    })
+    }
 }
 
 /// A problem as a coordinator would send it: both ways are shown the same.

@@ -2,7 +2,7 @@
 
 use proto::v1::{ForkRequest, SubmitRequest};
 
-use super::read_experiment;
+use super::read_text;
 use crate::arguments::Fork;
 use crate::connect::{Connection, PROMPT, Source, within};
 use crate::exit::Failure;
@@ -10,7 +10,7 @@ use crate::render::{Output, json};
 
 pub(super) async fn fork(arguments: Fork, output: Output) -> Result<(), Failure> {
     let Fork { experiment, after, file: path, overrides, ask } = arguments;
-    let text = path.as_deref().map(read_experiment).transpose()?;
+    let text = path.as_deref().map(read_text).transpose()?;
     if text.is_none() && (overrides.profile.is_some() || !overrides.set.is_empty()) {
         return Err(Failure::Usage("--profile and --set change a FILE, and none is named".to_owned()));
     }

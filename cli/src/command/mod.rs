@@ -66,7 +66,7 @@ pub(crate) async fn execute(command: Command, output: Output) -> Result<(), Fail
 }
 
 /// The text of an experiment file.
-fn read_experiment(file: &Path) -> Result<String, Failure> {
+fn read_text(file: &Path) -> Result<String, Failure> {
     std::fs::read_to_string(file).map_err(|error| {
         let place = file.display();
         match error.kind() {

@@ -12,12 +12,12 @@ use anyhow::anyhow;
 use coordinator::scheduler::Summary;
 use coordinator::{Config, Running};
 use proto::v1::watch_event::What;
-use proto::v1::{ControlRequest, SubmitReply, SubmitRequest};
+use proto::v1::{ControlRequest, ListRequest, SubmitReply, SubmitRequest};
 use tokio::sync::watch as latest;
 
-use super::{check, import, read_experiment, watch};
+use super::{check, import, read_text, watch};
 use crate::arguments::Run;
-use crate::connect::{Connection, PROMPT, Source, within};
+use crate::connect::{Connection, DB_DEFAULT, PROMPT, Source, within};
 use crate::crew::{Crew, News};
 use crate::exit::Failure;
 use crate::render::Output;
@@ -28,7 +28,7 @@ pub(super) async fn run(mut arguments: Run, output: Output) -> Result<(), Failur
     let mut signals = Signals::listen()?;
     let begun = Instant::now();
     arguments.overrides = arguments.overrides.with_seed(arguments.seed);
-    let text = read_experiment(&arguments.file)?;
+    let text = read_text(&arguments.file)?;
     let again = again(&arguments);
     if let Some(named) = &arguments.import {
         let lineage = Source::File(arguments.db.clone());
@@ -98,6 +98,13 @@ async fn conduct(
         workers => format!("{workers} workers"),
     };
     progress.say(&format!("coordinator at {address}, {workers}, lineage in {}", arguments.db.display()))?;
+    let own = |id: u64| submitted.experiments.iter().any(|experiment| experiment.id == id);
+    let all = connection.experiments().list(within(PROMPT, ListRequest {})).await?.into_inner().experiments;
+    for other in all.iter().filter(|other| other.state == "running" && !own(other.id)) {
+        let (name, id) = (&other.name, other.id);
+        progress
+            .say(&format!("{name} (experiment {id}), which the file holds unfinished, goes on beside it"))?;
+    }
     let mut events = watch::open(&connection, &reference).await?;
     let mut marks = BTreeMap::new();
     loop {
@@ -120,7 +127,12 @@ async fn conduct(
     }
     progress.end();
     watch::verdict(progress.experiments()).map_err(|failure| match failure {
-        Failure::Awaiting(what) => Failure::Awaiting(format!("{what}; and then, to go on: {again}")),
+        Failure::Awaiting(what) => {
+            let is_found = arguments.db.as_os_str() == DB_DEFAULT;
+            let db = quoted(&arguments.db.display().to_string());
+            let with = if is_found { String::new() } else { format!(", both with --db {db}") };
+            Failure::Awaiting(format!("{what}{with}; and then, to go on: {again}"))
+        }
         other => other,
     })?;
     let experiments = submitted.experiments.iter().map(|experiment| experiment.id).collect();

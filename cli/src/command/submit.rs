@@ -4,14 +4,14 @@
 use proto::v1::{SubmitReply, SubmitRequest};
 use serde_json::json;
 
-use super::{import, read_experiment};
+use super::{import, read_text};
 use crate::arguments::Submit;
 use crate::connect::{Connection, PROMPT, Source, within};
 use crate::exit::Failure;
 use crate::render::{Output, json, number};
 
 pub(super) async fn submit(arguments: Submit, output: Output) -> Result<(), Failure> {
-    let text = read_experiment(&arguments.file)?;
+    let text = read_text(&arguments.file)?;
     let mut overrides = arguments.overrides.with_seed(arguments.seed);
     let source = Source::coordinator(&arguments.dial)?;
     if let Some(named) = &arguments.import {

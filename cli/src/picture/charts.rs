@@ -1,8 +1,8 @@
-//! Where the centres of mass went, beneath the moments: their way from above, their height and their speed
-//! over time.
+//! Where the centres of mass went, beneath the moments: their way from above with that of the lights, their height
+//! and their speed over time.
 
 use anyhow::Result;
-use creatures::record::{Recording, Shot};
+use creatures::record::{Pose, Recording, Shape, Shot};
 use glam::DVec2;
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -51,6 +51,7 @@ pub(super) fn draw(area: &Area<'_>, recording: &Recording, marked: &Band<'_>) ->
                 axes: [labelled("ahead", length), labelled("to the left", length)],
                 lines: lines(&way),
                 marks: marks(&way),
+                lights: lights(recording, marked, &above),
                 is_map: true,
             },
         ),
@@ -61,6 +62,7 @@ pub(super) fn draw(area: &Area<'_>, recording: &Recording, marked: &Band<'_>) ->
                 axes: [labelled("time", time), labelled("height", length)],
                 lines: lines(&height),
                 marks: marks(&height),
+                lights: vec![],
                 is_map: false,
             },
         ),
@@ -71,6 +73,7 @@ pub(super) fn draw(area: &Area<'_>, recording: &Recording, marked: &Band<'_>) ->
                 axes: [labelled("time", time), labelled("speed", &speed)],
                 lines: speeds,
                 marks: vec![],
+                lights: vec![],
                 is_map: false,
             },
         ),
@@ -79,6 +82,23 @@ pub(super) fn draw(area: &Area<'_>, recording: &Recording, marked: &Band<'_>) ->
         chart.draw(area, &|creature| ink::trail(scene, creature))?;
     }
     Ok(())
+}
+
+/// The way of every light, and where it is in the moments that are drawn above.
+fn lights(recording: &Recording, marked: &Band<'_>, view: &View) -> Vec<[Vec<DVec2>; 2]> {
+    let parts = recording.scene.parts.iter().enumerate();
+    let is_light = |shape: &Shape| matches!(shape, Shape::Light { .. });
+    let lights = parts.filter(|(_, part)| part.shapes.iter().any(is_light));
+    let place = |shot: &Shot, part: usize| match shot.frame.poses.get(part)? {
+        Pose::Rigid { position, .. } => Some(view.flat(*position)),
+        Pose::Absent | Pose::Nodes(_) => None,
+    };
+    lights
+        .map(|(part, _)| {
+            let way = recording.shots.iter().filter_map(|shot| place(shot, part)).collect();
+            [way, marked.shots.iter().filter_map(|shot| place(shot, part)).collect()]
+        })
+        .collect()
 }
 
 /// Time and speed of a creature's centre between frames that are `step` apart.
@@ -131,6 +151,8 @@ struct Chart {
     lines: Vec<Vec<DVec2>>,
     /// The moments that are drawn above.
     marks: Vec<DVec2>,
+    /// The ways of lights, each with its places in those moments.
+    lights: Vec<[Vec<DVec2>; 2]>,
     /// Whether both axes share their scale.
     is_map: bool,
 }
@@ -163,6 +185,12 @@ impl Chart {
             .label_style(font(11))
             .axis_desc_style(font(12))
             .draw()?;
+        for [way, marks] in &self.lights {
+            let points = thinned(way, room / (high - low)).into_iter().map(|at| (at.x, at.y));
+            chart.draw_series(LineSeries::new(points, ink::LIGHT.stroke_width(SHARP)))?;
+            let mark = |at: &DVec2| Circle::new((at.x, at.y), 4 * SHARP, ink::LIGHT.filled());
+            chart.draw_series(marks.iter().map(mark))?;
+        }
         for (creature, line) in self.lines.iter().enumerate() {
             let points = thinned(line, room / (high - low));
             let points = points.into_iter().map(|at| (at.x, at.y));
@@ -175,7 +203,8 @@ impl Chart {
 
     /// What the axes run from and to: all lines with some room about them.
     fn ranges(&self, room: DVec2) -> (DVec2, DVec2) {
-        let all = || self.lines.iter().flatten();
+        let ways = self.lights.iter().map(|[way, _]| way);
+        let all = || self.lines.iter().chain(ways.clone()).flatten();
         let low = all().copied().reduce(DVec2::min).unwrap_or(DVec2::ZERO);
         let high = all().copied().reduce(DVec2::max).unwrap_or(DVec2::ONE);
         let middle = 0.5 * (low + high);

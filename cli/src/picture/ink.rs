@@ -25,7 +25,8 @@ const KINDS: [RGBColor; 4] =
     [RGBColor(213, 94, 0), RGBColor(0, 158, 115), RGBColor(0, 114, 178), RGBColor(230, 159, 0)];
 
 /// The colour of every part of a scene, in its order: of one creature left and right are told apart, of
-/// several their kinds, which is their names up to the number; one whose muscles are drawn is grey, so that these are seen.
+/// several their kinds, which is their names up to the number; one whose muscles are drawn is grey, so that
+/// these are seen.
 pub(super) fn colours(scene: &Scene) -> Vec<RGBColor> {
     let kinds = kinds(scene);
     let colour = |part: &Part| match part.creature.and_then(|index| scene.creatures.get(index as usize)) {

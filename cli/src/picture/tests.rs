@@ -1,6 +1,7 @@
 use super::*;
-use creatures::record::{Keeper, Pose, Recording};
+use creatures::record::{Keeper, Part, Pose, Recording, Shape};
 use creatures::system;
+use glam::DVec3;
 
 /// The first trial of a system's proof.
 pub(super) fn recorded(name: &str, proof: usize) -> Recording {
@@ -76,6 +77,25 @@ fn a_film_holds_still_while_its_fish_swims() {
     let film = pixels(&recording, Layout::Film, ["title", "subtitle"]).unwrap();
     let sheet = pixels(&recording, Layout::Contact, ["title", "subtitle"]).unwrap();
     assert!(colourful(&film) > 2000 && film.size.1 < sheet.size.1);
+}
+
+/// A light that is too far away for every view has its place in the way from above.
+#[test]
+fn a_light_that_no_view_reaches_is_on_the_way_from_above() {
+    let mut recording = recorded("esp", 1);
+    let is_light = |part: &Part| part.shapes.iter().any(|shape| matches!(shape, Shape::Light { .. }));
+    let light = recording.scene.parts.iter().position(is_light).unwrap();
+    recording
+        .shots
+        .iter_mut()
+        .for_each(|shot| shot.frame.poses[light] = Pose::at(DVec3::new(50.0, 0.0, 0.3)));
+    let yellow = |of: &Recording| {
+        let bytes = pixels(of, Layout::Contact, ["", ""]).unwrap().bytes;
+        bytes.chunks_exact(3).filter(|pixel| *pixel == [240, 200, 20]).count()
+    };
+    let seen = yellow(&recording);
+    recording.scene.parts[light].shapes.clear();
+    assert!(seen > 50 && yellow(&recording) == 0, "{seen}");
 }
 
 #[test]

@@ -10,7 +10,7 @@ use super::fitness::setup::{LIGHT_HEIGHT, LIGHT_STRENGTH, SECONDS_MAX, steps};
 use super::task::EspTask;
 use super::trial::{Light, Lights, Living, Origin, Show, sense};
 use crate::math::{atan2, wrap_angle};
-use crate::{DecodeError, Observer, SpecError};
+use crate::{DecodeError, Observer, SpecError, read_spec};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -27,24 +27,24 @@ const STRONG: f64 = 100.0;
 pub struct LightScript {
     /// m above the ground.
     #[serde(default = "height")]
-    pub height: f64,
+    height: f64,
     /// S of E-29.
     #[serde(default = "strength")]
-    pub strength: f64,
+    strength: f64,
     /// In order of time, the first at 0; straight lines between them.
-    pub point: Vec<WayPoint>,
+    point: Vec<WayPoint>,
 }
 
 /// Where a light is at a time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct WayPoint {
+struct WayPoint {
     /// s since the start.
-    pub at: f64,
+    at: f64,
     /// m from the start, ahead.
-    pub ahead: f64,
+    ahead: f64,
     /// m from the start, to the left.
-    pub left: f64,
+    left: f64,
 }
 
 fn height() -> f64 {
@@ -84,9 +84,6 @@ pub struct Demonstration {
 /// Why there is nothing to show.
 #[derive(Debug, thiserror::Error)]
 pub enum DemonstrationError {
-    /// The script makes no path.
-    #[error("{0}")]
-    Script(#[from] SpecError),
     /// The creature cannot do that.
     #[error("{0}")]
     Skill(String),
@@ -96,11 +93,17 @@ pub enum DemonstrationError {
 }
 
 impl LightScript {
-    /// Whether it is a path: times that rise from 0, and places and strengths within bounds.
+    /// Reads the table of a script's file.
     ///
     /// # Errors
-    /// The key, and what is allowed.
-    pub fn check(&self) -> Result<(), SpecError> {
+    /// The key that is wrong, and what is allowed.
+    pub fn read(table: serde_json::Value) -> Result<LightScript, SpecError> {
+        let script: LightScript = read_spec(table)?;
+        script.check().map(|()| script)
+    }
+
+    /// Whether it is a path: times that rise from 0, and places and strengths within bounds.
+    fn check(&self) -> Result<(), SpecError> {
         let within = |key: String, value: f64, least: f64, most: f64| {
             let legal = (least..=most).contains(&value);
             let problem = format!("{value} is not within [{least}, {most}]");
@@ -157,7 +160,7 @@ impl EspTask {
     /// is tested in last.
     ///
     /// # Errors
-    /// No path, no genotype, or no such skill.
+    /// No genotype, or no such skill.
     pub fn demonstrate(
         &self,
         genotype: &[u8],
@@ -165,7 +168,6 @@ impl EspTask {
         script: &LightScript,
         observer: &mut dyn Observer,
     ) -> Result<Demonstration, DemonstrationError> {
-        script.check()?;
         let (Genotype { brain, .. }, phenotype) = self.read(genotype)?;
         let skill = match skill {
             Some(name) => self.find(name).map_err(DemonstrationError::Skill)?,

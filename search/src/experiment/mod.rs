@@ -17,6 +17,7 @@ use crate::culling::Culling;
 use crate::registry::Plan;
 use crate::syllabus::{AmendError, Difference};
 use crate::{Place, Search, registry};
+use creatures::SpecError;
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -73,6 +74,15 @@ struct Resolved<'a> {
     culling: Option<Culling>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     published: &'a [Published],
+}
+
+/// Reads another TOML file, of one table, with the same words for what is wrong: `read` takes the values, and names
+/// the key that it refuses.
+///
+/// # Errors
+/// Every problem found, in the order of the text.
+pub fn read_table<T>(text: &str, read: impl Fn(Value) -> Result<T, SpecError>) -> Result<T, Vec<Problem>> {
+    read::table(text, read)
 }
 
 impl Experiment {

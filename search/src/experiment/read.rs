@@ -113,14 +113,18 @@ pub(super) fn experiments(text: &str, over: &Overrides) -> Result<Vec<Experiment
             cells.iter().map(|cell| reading.cell(&tree, cell, &cells, profile.clone())).collect()
         }
     };
-    let mut problems = reading.problems;
-    if problems.is_empty() {
+    if reading.problems.is_empty() {
         // None would have left a problem.
         return Ok(experiments.into_iter().flatten().collect());
     }
-    problems.sort_by_key(|problem| (problem.span.as_ref().map(|span| span.start), problem.key.clone()));
-    problems.dedup(); // cells share most of their text
-    Err(problems)
+    Err(reading.sorted())
+}
+
+/// See [`super::read_table`].
+pub(super) fn table<T>(text: &str, read: impl Fn(Value) -> Result<T, SpecError>) -> Result<T, Vec<Problem>> {
+    let mut tree = Node::parse(text)?;
+    let mut reading = Reading { text, problems: Vec::new() };
+    reading.table("", &mut tree, read).ok_or_else(|| reading.sorted())
 }
 
 /// A reading under way, with what it has found wrong so far.
@@ -130,6 +134,14 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
+    /// All problems in the order of the text.
+    fn sorted(mut self) -> Vec<Problem> {
+        self.problems
+            .sort_by_key(|problem| (problem.span.as_ref().map(|span| span.start), problem.key.clone()));
+        self.problems.dedup(); // cells share most of their text
+        self.problems
+    }
+
     fn cell(
         &mut self,
         tree: &Node,

@@ -13,6 +13,8 @@ use serde_json::json;
 use super::super::life::{died, genotype, same_version, subject, system};
 use super::write;
 use crate::arguments::Replay;
+use crate::command::check::refuse;
+use crate::command::read_text;
 use crate::exit::Failure;
 use crate::picture::{self, Layout};
 use crate::render::Output;
@@ -47,7 +49,6 @@ fn watch(recorded: &IndividualReply, arguments: &Replay, file: &Path) -> Result<
     let mut keeper = Keeper::new(0, arguments.every);
     let shown = task.demonstrate(&genotype.payload, arguments.skill.as_deref(), &script, &mut keeper);
     let shown = shown.map_err(|error| match error {
-        DemonstrationError::Script(problem) => Failure::Usage(format!("{}: {problem}", file.display())),
         DemonstrationError::Skill(problem) => Failure::NotFound(format!("individual {id}: {problem}")),
         DemonstrationError::Genotype(error) => {
             anyhow!(error).context(format!("the genotype of individual {id}")).into()
@@ -74,14 +75,8 @@ fn nothing(id: u64) -> Failure {
 }
 
 fn read(file: &Path) -> Result<LightScript, Failure> {
-    let text = std::fs::read_to_string(file).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => Failure::NotFound(format!("there is no file {}", file.display())),
-        _ => anyhow!(error).context(file.display().to_string()).into(),
-    })?;
-    let bad = |problem: String| Failure::Usage(format!("{}: {}", file.display(), problem.trim_end()));
-    let script: LightScript = toml::from_str(&text).map_err(|error| bad(error.to_string()))?;
-    script.check().map_err(|problem| bad(problem.to_string()))?;
-    Ok(script)
+    let text = read_text(file)?;
+    search::read_table(&text, LightScript::read).map_err(|problems| refuse(file, &text, problems))
 }
 
 /// With `--json` a line a sighting, one step in so many; otherwise a row a second.
@@ -193,21 +188,31 @@ mod tests {
     }
 
     #[test]
-    fn a_bad_script_or_another_system_is_refused_with_its_place() {
-        for (script, words) in [
-            ("point = [{ at = 0, ahead = 3 }]", &["light.toml", "left", "line 1"][..]),
-            ("point = [{ at = 0, ahead = 3, left = 0 }]", &["two points"]),
-            ("hight = 3\npoint = []", &["hight", "height"]),
-            ("point = [{ at = 0, ahead = 3, left = 0 }, { at = 0, ahead = 3, left = 0 }]", &["point[1].at"]),
+    fn a_bad_script_is_refused_at_its_line_and_column() {
+        for (script, place, words) in [
+            ("point = [{ at = 0, ahead = 3 }]", (1, 10), &["point[0].left", "is missing"][..]),
+            ("\npoint = [{ at = 0, ahead = 3, left = 0 }]", (2, 9), &["point", "two points"]),
+            ("hight = 3\npoint = [{ at = 0, ahead = 3, left = 0 }]", (1, 1), &["hight", "`height`"]),
+            (&PATH.replace("1.5", "0"), (1, 50), &["point[1].at", "not later"]),
+            (&PATH.replace("1.5", "nan"), (1, 50), &["point[1].at", "finite"]),
+            ("point = [", (1, 10), &["unclosed array"]),
         ] {
             let failure = shown(script, &recorded()).unwrap_err();
-            assert!(matches!(failure, Failure::Usage(_)), "{failure:?}");
-            let text = failure.to_string();
+            let Failure::Problems { problems, .. } = &failure else { panic!("{failure:?}") };
+            assert_eq!((problems[0].line, problems[0].column), place, "{problems:?}");
+            let text = crate::render::failure::lines(Path::new("light.toml"), problems);
             assert!(words.iter().all(|word| text.contains(word)), "{text}");
         }
+    }
+
+    #[test]
+    fn who_sees_no_light_or_knows_no_such_skill_is_told_so() {
         let mut walker = recorded();
         walker.genotype.as_mut().unwrap().system = "walker".into();
         let failure = shown(PATH, &walker).unwrap_err();
         assert!(failure.to_string().contains("only esp creatures"), "{failure}");
+        let mut old = recorded();
+        old.genotype.as_mut().unwrap().version = 0;
+        assert!(shown(PATH, &old).unwrap_err().to_string().contains("version 0 of esp"));
     }
 }

@@ -37,6 +37,9 @@ fn what_is_no_path_is_refused_by_its_key() {
         let problem = path(points).unwrap_err();
         assert!(problem.contains(key) && problem.contains(word), "{problem}");
     }
+    let read = |table| LightScript::read(table).map_err(|error| error.to_string());
+    assert!(read(json!({ "point": [] })).unwrap_err().contains("two points"), "what is read is checked");
+    assert!(read(json!({ "point": [{ "at": 0, "ahead": 1 }] })).unwrap_err().contains("left"));
     let dark = LightScript { strength: -1.0, ..script(&[[0.0, 1.0, 1.0], [1.0, 1.0, 1.0]]) };
     assert!(dark.check().unwrap_err().to_string().contains("strength"));
 }
@@ -90,12 +93,23 @@ fn a_real_creature_shows_a_skill_that_it_has_and_no_other() {
     let task: crate::esp::TaskTable = serde_json::from_value(crate::esp::Esp.resolve(task).unwrap()).unwrap();
     let (task, genotype) = (task.check().unwrap(), sample::seeker().encode());
     let script = script(&[[0.0, 3.0, 0.0], [1.0, 3.0, 3.0]]);
-    let shown = task.demonstrate(&genotype, None, &script, &mut Nobody).unwrap();
+    let watched = |skill| {
+        let mut keeper = Keeper::new(0, 1);
+        let shown = task.demonstrate(&genotype, skill, &script, &mut keeper).unwrap();
+        (shown, keeper.recording().unwrap())
+    };
+    let (shown, recording) = watched(None);
     assert_eq!((shown.skill.as_str(), shown.sightings.len(), shown.fault), ("walk", 61, None));
-    assert_eq!(
-        task.demonstrate(&genotype, Some("walk"), &script, &mut Nobody).unwrap().sightings,
-        shown.sightings
-    );
+    // Again, by its name, and unseen: the same to the bit.
+    let digits = |shown: &Demonstration| serde_json::to_string(&shown.sightings).unwrap();
+    let again = watched(Some("walk"));
+    assert_eq!((digits(&again.0), &again.1), (digits(&shown), &recording));
+    let unseen = task.demonstrate(&genotype, None, &script, &mut Nobody).unwrap();
+    assert_eq!(digits(&unseen), digits(&shown));
+    // Its eyes see the script's light: it goes another way under another one.
+    let dark = LightScript { strength: 0.0, ..script.clone() };
+    let dark = task.demonstrate(&genotype, None, &dark, &mut Nobody).unwrap();
+    assert_ne!(dark.sightings[60].creature, shown.sightings[60].creature);
     for (skill, word) in [("run", "not learned `run`"), ("wlak", "did you mean `walk`")] {
         let error = task.demonstrate(&genotype, Some(skill), &script, &mut Nobody).unwrap_err();
         assert!(error.to_string().contains(word), "{error}");
