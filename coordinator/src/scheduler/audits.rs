@@ -241,6 +241,29 @@ fn a_straggling_audit_is_tried_by_others_than_those_who_have_an_opinion() {
 }
 
 #[test]
+fn an_audit_takes_the_worker_that_was_being_emptied_for_a_queue_that_pauses() {
+    audited().run(&[
+        Open(1),
+        Submit(0, 1),
+        JoinWith(A, 1, 1),
+        Lose(A),
+        JoinWith(B, 1, 1),
+        JoinWith(C, 1, 2),
+        Submit(1, 1),
+        JoinWith(D, 1, 1),
+        Submit(1, 1),
+        Holds(C, &[1]),
+        Holds(D, &[2]),
+        // A suspect, for which C is emptied.
+        Lose(B),
+        Report(D, 2),
+        Holds(C, &[1]),
+        Pause(0),
+        Holds(C, &[1, 2]),
+    ]);
+}
+
+#[test]
 fn a_cancelled_queue_leaves_no_audits() {
     let rig = audited().run(&[Join(A), Submit(0, 2), Report(A, 0), Cancel(0), Join(B), Holds(B, &[])]);
     assert_eq!(rig.scheduler.summary().ready, 0);

@@ -44,24 +44,17 @@ impl Scheduler {
     fn place_suspects(&mut self, now: Millis) {
         for suspect in self.suspects.keys().copied().collect::<Vec<_>>() {
             let entry = &self.evaluations[&suspect];
-            let is_paused = self.queues[&entry.queue].paused;
-            let reserved = self.suspects[&suspect];
-            let worker = match reserved {
-                _ if is_paused => None,
-                Some(worker) => Some(worker),
-                None => {
-                    // Somebody else than before as long as there is one: it may be the worker that is sick.
-                    let takers = || self.workers.values().filter(|worker| worker.takes());
-                    let others = takers().any(|worker| !entry.has_struck(&worker.name));
-                    let free = takers().filter(|worker| worker.reserved.is_none());
-                    let fit = free.filter(|worker| !(others && entry.has_struck(&worker.name)));
-                    fit.min_by_key(|worker| (worker.load(), worker.id)).map(|worker| worker.id)
-                }
-            };
-            if let Some(released) = reserved.filter(|_| worker.is_none()) {
-                self.workers.get_mut(&released).expect("a reserved worker is attached").reserved = None;
-                self.file_worker(released);
+            if self.queues[&entry.queue].paused {
+                continue;
             }
+            let worker = self.suspects[&suspect].or_else(|| {
+                // Somebody else than before as long as there is one: it may be the worker that is sick.
+                let takers = || self.workers.values().filter(|worker| worker.takes());
+                let others = takers().any(|worker| !entry.has_struck(&worker.name));
+                let free = takers().filter(|worker| worker.reserved.is_none());
+                let fit = free.filter(|worker| !(others && entry.has_struck(&worker.name)));
+                fit.min_by_key(|worker| (worker.load(), worker.id)).map(|worker| worker.id)
+            });
             self.suspects.insert(suspect, worker);
             let Some(worker) = worker else { continue };
             let state = self.workers.get_mut(&worker).expect("a reserved worker is attached");
@@ -72,6 +65,17 @@ impl Scheduler {
             } else {
                 self.file_worker(worker);
             }
+        }
+    }
+
+    /// Gives the workers free that are being emptied for suspects of a queue. It comes before a round, which may have
+    /// something for them.
+    pub(super) fn release_reserved(&mut self, queue: QueueId) {
+        let of_queue = |suspect: &u64| self.evaluations[suspect].queue == queue;
+        let awaited = self.suspects.iter_mut().filter(|(suspect, _)| of_queue(suspect));
+        for worker in awaited.filter_map(|(_, worker)| worker.take()).collect::<Vec<_>>() {
+            self.workers.get_mut(&worker).expect("a reserved worker is attached").reserved = None;
+            self.file_worker(worker);
         }
     }
 

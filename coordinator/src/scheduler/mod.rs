@@ -219,6 +219,9 @@ impl Scheduler {
         if let Some(state) = self.queues.get_mut(&queue) {
             state.paused = paused;
             self.file_queue(queue);
+            if paused {
+                self.release_reserved(queue);
+            }
         }
     }
 
