@@ -3,6 +3,7 @@
 
 pub mod convert;
 pub mod dial;
+pub mod hello;
 pub mod join;
 pub mod refusal;
 

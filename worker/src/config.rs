@@ -2,6 +2,7 @@
 
 use creatures::System;
 use proto::dial::{Address, AddressError};
+use proto::hello::{LABEL_SIZE_MAX, LABELS_MAX, NAME_SIZE_MAX, SLOTS_MAX, is_label};
 use std::collections::BTreeMap;
 use std::fs;
 use std::num::NonZeroUsize;
@@ -10,14 +11,6 @@ use std::thread::available_parallelism;
 use std::time::Duration;
 use tonic::transport::{self, Channel, Endpoint};
 
-/// The most slots that one worker may offer.
-pub const SLOTS_MAX: usize = 4096;
-/// The longest name of a worker, bytes.
-pub const NAME_SIZE_MAX: usize = 128;
-/// The most labels of a worker.
-pub const LABELS_MAX: usize = 16;
-/// The longest key or value of a label, bytes.
-pub const LABEL_SIZE_MAX: usize = 64;
 /// How long what runs may take to end once a worker is to stop: within the 30 s that Slurm and Kubernetes give.
 pub const GRACE: Duration = Duration::from_secs(25);
 
@@ -115,7 +108,7 @@ impl Config {
             coordinator,
             name: format!("{host}-{}", std::process::id()),
             host,
-            slots: available_parallelism().map_or(1, NonZeroUsize::get).min(SLOTS_MAX),
+            slots: available_parallelism().map_or(1, NonZeroUsize::get).min(SLOTS_MAX as usize),
             systems: creatures::system,
             fingerprint: creatures::fingerprint(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -133,7 +126,7 @@ impl Config {
     /// # Errors
     /// Outside of 1 to [`SLOTS_MAX`].
     pub fn with_slots(self, slots: usize) -> Result<Self, ConfigError> {
-        if (1..=SLOTS_MAX).contains(&slots) {
+        if (1..=SLOTS_MAX as usize).contains(&slots) {
             Ok(Config { slots, ..self })
         } else {
             Err(ConfigError::Slots { found: slots })
@@ -157,9 +150,7 @@ impl Config {
     /// # Errors
     /// More than [`LABELS_MAX`], or one that is empty, longer than [`LABEL_SIZE_MAX`] or has control characters.
     pub fn with_labels(self, labels: &[(String, String)]) -> Result<Self, ConfigError> {
-        let is_legal =
-            |text: &str| (1..=LABEL_SIZE_MAX).contains(&text.len()) && !text.chars().any(char::is_control);
-        let illegal = labels.iter().find(|(key, value)| !is_legal(key) || !is_legal(value));
+        let illegal = labels.iter().find(|(key, value)| !is_label(key, value));
         match illegal.or_else(|| labels.get(LABELS_MAX)) {
             Some((key, value)) => Err(ConfigError::Label { found: format!("{key}={value}") }),
             None => Ok(Config { labels: labels.iter().cloned().collect(), ..self }),
@@ -212,7 +203,10 @@ mod tests {
     fn slots_and_names_have_bounds() {
         let config = Config::new("http://host:1").unwrap();
         assert!(config.slots >= 1 && config.name.contains('-'));
-        assert!(config.clone().with_slots(0).is_err() && config.clone().with_slots(SLOTS_MAX + 1).is_err());
+        assert!(
+            config.clone().with_slots(0).is_err()
+                && config.clone().with_slots(SLOTS_MAX as usize + 1).is_err()
+        );
         assert_eq!(config.clone().with_slots(3).unwrap().slots, 3);
         assert!(config.clone().with_name("").is_err() && config.clone().with_name(&"x".repeat(129)).is_err());
         assert_eq!(config.with_name("ada").unwrap().name, "ada");

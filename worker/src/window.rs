@@ -1,6 +1,8 @@
 //! How many evaluations a worker asks for at once, running ones included, and what that says of reports
 //! underway. Pure: evaluation times come in, numbers go out.
 
+use proto::hello::WINDOW_MAX;
+
 /// What passes, at worst, between a report and the evaluation that takes its place: a round trip, a batch
 /// read, a thread woken. Seconds. A slot that has so much work ahead of it never waits.
 const TURNAROUND: f64 = 0.003;
@@ -8,8 +10,6 @@ const TURNAROUND: f64 = 0.003;
 const COMPANY: f64 = 0.010;
 /// However short evaluations are, more of them a slot only grow messages and the loss when a worker dies.
 const PER_SLOT_MAX: usize = 128;
-/// The most that a coordinator grants.
-const WINDOW_MAX: usize = 65_536;
 
 /// How long evaluations take of late.
 #[derive(Debug, Default, Clone, Copy)]
@@ -33,7 +33,7 @@ impl Pace {
             None => 1,
         };
         let window = slots + (ahead + self.batch() - 1).clamp(1, slots * (PER_SLOT_MAX - 1));
-        window.min(WINDOW_MAX) as u32
+        window.min(WINDOW_MAX as usize) as u32
     }
 
     /// How many reports are worth a wake-up while there is more to evaluate: 1 from 10 ms on.
@@ -86,7 +86,7 @@ mod tests {
         assert_eq!(window(2, 0.000_002), 256);
         assert_eq!(window(2, 0.0), 256);
         assert_eq!(window(64, 0.010), 84);
-        assert_eq!(window(4096, 0.0), WINDOW_MAX as u32);
+        assert_eq!(window(4096, 0.0), WINDOW_MAX);
     }
 
     #[test]

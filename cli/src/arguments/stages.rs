@@ -97,8 +97,9 @@ pub(crate) struct Fork {
 
 const FORK_HELP: &str = "\
 Examples:
-  hatchery fork last --after left_turn                     and pick another one there
   hatchery fork last --after left_turn shorter.toml        and go on otherwise from there
+  hatchery fork last --after left_turn ten.toml --set skill.left_turn.pick=human
+                                                           and let a person pick who goes on
 
 The stages up to there are shared, not copied: ancestors lead back into them. Who goes on from the end of the \
 last of them is picked anew. In a file at rest (--db), `hatchery run FILE` then goes on with the fork.";

@@ -6,6 +6,9 @@ use crate::fleet::{Fleet, Mouth, WorkerInfo};
 use crate::scheduler::{AttemptId, Hello, News, Report};
 use creatures::{Interim, Outcome};
 use proto::convert::NOTE_SIZE_MAX;
+use proto::hello::{
+    LABEL_SIZE_MAX, LABELS_MAX, NAME_SIZE_MAX, SLOTS_MAX, VERSION_SIZE_MAX, WINDOW_MAX, is_label,
+};
 use proto::refusal::Refusal;
 use proto::v1::fleet_server::FleetServer;
 use proto::v1::worker_message::Kind;
@@ -19,17 +22,6 @@ use tokio::time::timeout;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status, Streaming};
 
-/// The most that a worker may run at once.
-const SLOTS_MAX: u32 = 4096;
-/// The most that a worker may take at once, and hold when it attaches.
-const WINDOW_MAX: u32 = 65_536;
-/// The longest name of a worker or a host, bytes.
-const NAME_SIZE_MAX: usize = 128;
-/// The longest version, bytes.
-const VERSION_SIZE_MAX: usize = 64;
-/// The most labels of a worker, and the longest key or value of one, bytes.
-const LABELS_MAX: usize = 16;
-const LABEL_SIZE_MAX: usize = 64;
 /// From the call to the hello.
 const HELLO_TIMEOUT: Duration = Duration::from_secs(10);
 /// For a worker to hang up after its stream was closed.
@@ -131,9 +123,7 @@ impl FleetService {
             let text = "`name` must not be empty, and neither it nor `host` have control characters";
             return Err(Refusal::Hello(text.to_owned()));
         }
-        let is_legal =
-            |text: &str| (1..=LABEL_SIZE_MAX).contains(&text.len()) && !text.chars().any(char::is_control);
-        if hello.labels.len() > LABELS_MAX || !hello.labels.iter().all(|(k, v)| is_legal(k) && is_legal(v)) {
+        if hello.labels.len() > LABELS_MAX || !hello.labels.iter().all(|(key, value)| is_label(key, value)) {
             return Err(Refusal::Hello(format!(
                 "`labels` has more than {LABELS_MAX}, or one that is empty, over {LABEL_SIZE_MAX} bytes or has control \
                  characters"

@@ -2,6 +2,7 @@
 //! a changed file: only what it has not come to yet (ESP E-86, EF-11). It changes no state.
 
 use super::settings::Settings;
+use crate::PickedBy;
 use creatures::esp::syllabus::{Mode, SkillId};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -16,8 +17,10 @@ type Print = u64;
 pub(super) struct Fingerprints {
     mode: Mode,
     import: Print,
-    /// Names with their prints, in the file's order.
+    /// Names with their prints, in the file's order. Who picks at a skill's end is no part of its print.
     skills: Vec<(String, Print)>,
+    /// Who picks at the end of each.
+    picks: Vec<PickedBy>,
     /// Members with their prints, in the file's order.
     groups: Vec<(Vec<String>, Print)>,
 }
@@ -61,6 +64,8 @@ pub enum Change {
     Removed,
     /// It says something else.
     Changed,
+    /// Somebody else says who goes on from its end.
+    PickedOtherwise,
     /// It stands elsewhere among the skills.
     Moved,
 }
@@ -76,6 +81,7 @@ impl fmt::Display for Difference {
             Change::Added => " is new",
             Change::Removed => " is gone",
             Change::Changed => " has changed",
+            Change::PickedOtherwise => " has another `pick`",
             Change::Moved => " stands at another place",
         })?;
         self.refused.iter().try_for_each(|why| write!(f, ", and {why}"))
@@ -84,13 +90,17 @@ impl fmt::Display for Difference {
 
 impl Fingerprints {
     pub(super) fn of(settings: &Settings) -> Fingerprints {
-        let [skills, groups] = settings.lists();
+        let [mut skills, groups] = settings.lists();
+        for row in &mut skills {
+            row.as_object_mut().expect("a skill is a table").remove("pick");
+        }
         let names = settings.table.skill.iter().map(|skill| skill.id.clone());
         let members = settings.table.pandemonium.iter().map(|group| group.members.clone());
         Fingerprints {
             mode: settings.course.mode,
             import: print(&serde_json::to_value(&settings.course.import).expect("it is a string or none")),
             skills: names.zip(skills.iter().map(print)).collect(),
+            picks: settings.lessons.iter().map(|lesson| lesson.regime.pick).collect(),
             groups: members.zip(groups.iter().map(print)).collect(),
         }
     }
@@ -124,6 +134,10 @@ impl Fingerprints {
                 None => note(name, Change::Removed, learned),
                 Some(place) if place != index && learned.is_some() => note(name, Change::Moved, learned),
                 Some(place) if now.skills[place].1 != *print => note(name, Change::Changed, learned),
+                Some(place) if now.picks[place] != self.picks[index] => {
+                    let picked = progress.learned.contains(&SkillId(index as u16));
+                    note(name, Change::PickedOtherwise, picked.then_some("someone was picked already"));
+                }
                 Some(place) if place != index => note(name, Change::Moved, None),
                 Some(_) => {}
             }

@@ -41,6 +41,16 @@ fn what_the_search_has_not_come_to_may_change() {
     assert_eq!(amended(removed).unwrap(), ["skill `fight_or_flight` is gone"]);
 }
 
+/// Also of a skill that is being learned: nobody has gone on from it (E-82). So does a fork, which picks anew.
+#[test]
+fn who_picks_may_change_until_someone_was_picked() {
+    let by_hand = |skill: usize| amended(|table| table["skill"][skill]["pick"] = json!("human"));
+    assert_eq!(by_hand(2).unwrap(), ["skill `right_turn` has another `pick`"]);
+    assert_eq!(by_hand(5).unwrap(), ["skill `strike` has another `pick`"]);
+    let refused = by_hand(1).unwrap_err();
+    assert_eq!(refused, "skill `left_turn` has another `pick`, and someone was picked already");
+}
+
 #[test]
 fn what_was_evolved_already_may_not_change() {
     let refused = |change: &dyn Fn(&mut Value)| amended(change).unwrap_err();
