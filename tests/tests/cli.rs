@@ -133,21 +133,30 @@ fn a_replay_records_and_draws_what_it_lived() {
     assert_eq!(tenth.lines().nth(2), text.lines().nth(11), "the tenth step follows the start");
 }
 
-/// Every question of the flyers' findings (flyer) is a statement that the views answer.
+/// Every question of the findings (flyer, ESP) is a statement that the views answer.
 #[test]
 fn findings_are_asked_of_a_lineage_by_one_script() {
     let findings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments/findings");
-    let output = std::process::Command::new("sh")
-        .args([findings.join("ask.sh"), findings.join("flyers.sql"), finished().join("hatchery.db")])
-        .env("HATCHERY", program("hatchery"))
-        .output()
-        .expect("there is a shell");
-    assert!(output.status.success(), "{}", printed(&output));
-    let said = printed(&output);
+    let ask = |questions: &str| {
+        let output = std::process::Command::new("sh")
+            .args([findings.join("ask.sh"), findings.join(questions), finished().join("hatchery.db")])
+            .env("HATCHERY", program("hatchery"))
+            .output()
+            .expect("there is a shell");
+        assert!(output.status.success(), "{questions}: {}", printed(&output));
+        printed(&output)
+    };
+    let said = ask("flyers.sql");
     for question in ["Q-1:", "Q-2:", "Q-3:", "Q-4 and Q-9:", "Q-5:", "Q-6:", "Q-7:", "Q-8:"] {
         assert!(said.contains(question), "{question} in {said}");
     }
     assert_eq!(said.matches("rank_correlation").count(), 1, "the questions are answered: {said}");
+    let said = ask("syllabus.sql");
+    for (question, column) in
+        [("R-1, R-3:", "reconciling"), ("R-2:", "spread"), ("R-6:", "first"), ("R-7, R-8, R-12:", "skeleton")]
+    {
+        assert!(said.contains(question) && said.contains(column), "{question} in {said}");
+    }
 }
 
 #[test]
