@@ -1,5 +1,5 @@
 //! A bad network in a process: a relay between a worker and its coordinator that delays, cuts up, thins out and holds
-//! up what goes through it, and on command stalls, falls silent one way, or resets. It reads nothing of what it carries.
+//! up what goes through it, and on command stalls, falls silent one way, or resets. What it carries, it does not read.
 
 use std::future::pending;
 use std::io;
