@@ -1,12 +1,14 @@
 # The habits of this house. `make` alone lists them.
 
 .DEFAULT_GOAL := help
-.PHONY: help format lint test doc run bench streams seeds fuzz peers golden ci
+.PHONY: help format lint test doc run bench streams seeds fuzz libfuzzer peers golden ci
 
 PEERS := target/peers
+LIBFUZZER := target/libfuzzer
+SECONDS ?= 180
 
 help: ## List these targets
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 format: ## Rewrite the sources in the house's format
 	cargo fmt --all
@@ -38,6 +40,13 @@ seeds: ## Live 20,000 simulated lives of a fleet
 
 fuzz: ## Bring a million mutations to every decoder
 	HATCHERY_FUZZ_RUNS=1000000 cargo test -p hatchery-fuzz
+
+libfuzzer: ## Let coverage lead libFuzzer through every decoder, SECONDS=180 each (needs cargo-fuzz)
+	for target in $(notdir $(basename $(wildcard fuzz/libfuzzer/targets/*.rs))); do \
+		mkdir -p $(LIBFUZZER)/corpus/$$target && RUSTC_BOOTSTRAP=1 cargo fuzz run --fuzz-dir fuzz/libfuzzer \
+			--target-dir $(LIBFUZZER) --sanitizer none $$target $(LIBFUZZER)/corpus/$$target fuzz/corpus/$$target \
+			-- -max_total_time=$(SECONDS) -timeout=10 || exit 1; \
+	done
 
 peers: $(PEERS)/installed ## Measure MuJoCo, a Python process pool and Ray under the same loads
 	$(PEERS)/bin/python benches/peers/mujoco_walkers.py

@@ -174,7 +174,7 @@ impl Fleet {
         let (outbox, messages) = mpsc::channel(session::MESSAGES_MAX);
         let (open, closed) = oneshot::channel();
         let (reply, answer) = oneshot::channel();
-        let session = session::Session::new(outbox, open);
+        let session = session::Session::new(outbox, open, self.clock.now());
         self.tell(Event::Attach { hello, fingerprint, session, reply }).await;
         let attached = answer.await.ok()?;
         Some(match attached {

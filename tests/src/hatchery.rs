@@ -11,11 +11,13 @@ use rustix::process::Signal;
 use tempfile::TempDir;
 
 use proto::dial::Address;
+use proto::join::Token;
 
 use crate::client::{Client, PATIENCE};
 use crate::keeper::Keeper;
 use crate::process::Process;
 use crate::programs::program;
+use crate::relay::{Relay, Weather};
 
 /// Short, so that a silent worker is missed within a test; long enough for a machine under load.
 const HEARTBEAT_MS: u32 = 100;
@@ -143,11 +145,25 @@ impl Hatchery {
 
     /// Starts a worker of one slot from a binary of its own, with further arguments.
     pub fn join_as(&mut self, name: &str, binary: &str, arguments: &[&str]) {
+        self.join_at(self.address, name, binary, arguments);
+    }
+
+    /// Starts a worker of one slot that reaches the coordinator through a relay of its own, and gives the relay.
+    pub fn join_through(&mut self, name: &str, weather: Weather) -> Relay {
+        let relay = Relay::new(self.address, weather);
+        self.join_at(relay.address(), name, "hatchery-worker", &[]);
+        relay
+    }
+
+    fn join_at(&mut self, address: SocketAddr, name: &str, binary: &str, arguments: &[&str]) {
         let mut command = Command::new(program(binary));
         command.args(["--slots", "1", "--name", name]).args(arguments);
         match &self.keeper {
-            Some(keeper) => command.env("HATCHERY_JOIN", keeper.worker().to_string()),
-            None => command.args(["--coordinator", &self.url()]),
+            Some(keeper) => {
+                let token = Token { address: address.to_string(), ..keeper.worker().clone() };
+                command.env("HATCHERY_JOIN", token.to_string())
+            }
+            None => command.args(["--coordinator", &format!("http://{address}")]),
         };
         self.join_by(name, &mut command);
     }

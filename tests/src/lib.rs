@@ -5,7 +5,7 @@
 //! programs    finds and builds the binaries           process     one guarded child, its signals and its log
 //! hatchery    a coordinator, its workers, a lineage   client      questions over gRPC
 //! samples     small experiments                       keeper      credentials and their tokens
-//! disguise    workers with something wrong with them
+//! disguise    workers with something wrong with them   relay   a bad network between a worker and its coordinator
 //! ```
 
 pub mod client;
@@ -16,9 +16,11 @@ pub mod keeper;
 pub mod local;
 pub mod process;
 pub mod programs;
+pub mod relay;
 pub mod samples;
 
 pub use client::Client;
 pub use disguise::{Disguise, work_otherwise};
 pub use hatchery::Hatchery;
 pub use process::Process;
+pub use relay::{Relay, Way, Weather};

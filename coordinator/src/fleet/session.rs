@@ -38,8 +38,9 @@ impl Session {
     pub(super) fn new(
         outbox: mpsc::Sender<Result<v1::CoordinatorMessage, Status>>,
         open: oneshot::Sender<Infallible>,
+        now: Millis,
     ) -> Session {
-        Session { outbox, _open: open, tasks: BTreeMap::new(), sent: 0, taken: (0, Millis(0)) }
+        Session { outbox, _open: open, tasks: BTreeMap::new(), sent: 0, taken: (0, now) }
     }
 
     /// Whether the other end is gone.
@@ -198,7 +199,7 @@ mod tests {
 
     fn session(capacity: usize) -> (Session, Messages) {
         let (outbox, messages) = mpsc::channel(capacity);
-        (Session::new(outbox, oneshot::channel().0), messages)
+        (Session::new(outbox, oneshot::channel().0, Millis(5000)), messages)
     }
 
     fn assignments(count: u64, size: usize) -> Vec<Assignment> {
@@ -223,14 +224,21 @@ mod tests {
     #[test]
     fn a_stream_is_stuck_from_its_last_taken_message_on() {
         let (mut session, mut messages) = session(8);
-        assert_eq!(session.stuck_since(Millis(10)), None);
+        assert_eq!(session.stuck_since(Millis(5010)), None);
         session.tell(vec![], assignments(1, 4)).unwrap(); // a task and a batch
-        assert_eq!(session.stuck_since(Millis(20)), Some(Millis(10)));
+        assert_eq!(session.stuck_since(Millis(5020)), Some(Millis(5010)));
         messages.try_recv().unwrap().unwrap();
-        assert_eq!(session.stuck_since(Millis(30)), Some(Millis(30)), "it has taken one");
-        assert_eq!(session.stuck_since(Millis(40)), Some(Millis(30)));
+        assert_eq!(session.stuck_since(Millis(5030)), Some(Millis(5030)), "it has taken one");
+        assert_eq!(session.stuck_since(Millis(5040)), Some(Millis(5030)));
         messages.try_recv().unwrap().unwrap();
-        assert_eq!(session.stuck_since(Millis(50)), None);
+        assert_eq!(session.stuck_since(Millis(5050)), None);
+    }
+
+    #[test]
+    fn a_welcome_that_is_still_to_be_taken_waits_since_the_worker_came() {
+        let (mut session, _messages) = session(8);
+        session.send(Kind::Welcome(v1::Welcome::default())).unwrap();
+        assert_eq!(session.stuck_since(Millis(5001)), Some(Millis(5000)), "not since the fleet began");
     }
 
     #[test]

@@ -1,14 +1,17 @@
 //! The fleet and its workers, real code over a simulated network and clock: a seed draws the machines and what
-//! befalls them, and whatever it draws, nothing is lost, nothing counts twice, every lease ends, and the
-//! lineage is the undisturbed one. A seed that fails is printed, and replays with `HATCHERY_SEED=…`.
+//! befalls them, and whatever it draws, nothing is lost, nothing counts twice, every lease ends, workers that take
+//! leave give back what they have not begun, and the lineage is the undisturbed one. A seed that fails is printed, and
+//! replays with `HATCHERY_SEED=…`.
 //!
 //! ```text
 //! plan    what a seed draws: machines, latencies, and a list of faults
 //! world   the hosts that the plan asks for, and the faults at their time
 //! owner   who submits and takes outcomes, as the driver does, with a disk that survives kills
+//! leave   what workers that go may leave behind
 //! wire    gRPC over the simulated network
 //! ```
 
+mod leave;
 mod owner;
 mod plan;
 mod wire;

@@ -1,6 +1,7 @@
 //! Who submits evaluations and takes their outcomes, in the driver's stead: generation by generation, with a
 //! disk that survives kills and takes a moment to write. It checks each outcome as it comes.
 
+use crate::leave::Leave;
 use coordinator::fleet::{Evaluation, Fleet, Queue, QueueOutput, Settled, TaskText};
 use coordinator::lineage::evaluation_seed;
 use creatures::{Cull, Outcome, Task};
@@ -54,6 +55,12 @@ pub(crate) struct Disk {
     pub(crate) lineage: Option<String>,
 }
 
+/// What came out in one life of the coordinator.
+struct Seen {
+    settled: BTreeSet<u64>,
+    leave: Leave,
+}
+
 impl Undisturbed {
     pub(crate) fn live() -> Undisturbed {
         let experiment = local::experiment(EXPERIMENT);
@@ -99,8 +106,8 @@ pub(crate) async fn conduct(
     disk: &Mutex<Disk>,
     note: impl Fn(String),
 ) -> Result<(), Box<dyn Error>> {
+    let mut seen = Seen { settled: BTreeSet::new(), leave: Leave::watch(fleet) };
     let (queue, mut output) = fleet.queue("simulated".to_owned(), 1).await;
-    let mut seen = BTreeSet::new();
     loop {
         let checkpoint = disk.lock().expect("one thread").checkpoint.clone();
         let mut search = match checkpoint {
@@ -129,7 +136,7 @@ async fn generation(
     queue: &Queue,
     output: &mut QueueOutput,
     disk: &Mutex<Disk>,
-    seen: &mut BTreeSet<u64>,
+    seen: &mut Seen,
     individuals: Vec<Individual>,
     note: &impl Fn(String),
 ) -> Result<Vec<local::Lived>, Box<dyn Error>> {
@@ -156,7 +163,8 @@ async fn generation(
         sleep(COMMIT).await;
         for one in settled {
             note(format!("{one:?}"));
-            if !seen.insert(one.id) {
+            seen.leave.check(&one)?;
+            if !seen.settled.insert(one.id) {
                 return Err(format!("evaluation {} is settled twice", one.id).into());
             }
             let (index, evaluation) =
