@@ -251,7 +251,7 @@ impl Driver {
         };
         let queue = self.shared.fleet.queue(stored.name.clone(), 1).await;
         let control = queue.0.control();
-        let progress = Arc::new(Progress::new(&experiment));
+        let progress = Arc::new(Progress::new(&experiment, self.evaluated(&stored).await));
         let (picks, made) = mpsc::unbounded_channel();
         // Its end takes it out again: it must be in by then.
         let mut active = self.active();
@@ -261,6 +261,16 @@ impl Driver {
         let conducting = tokio::spawn(conduct.instrument(span));
         active.insert(id, Active { name, control, progress, picks, conducting });
         Ok(())
+    }
+
+    /// How many of an experiment have an outcome on disk. For those who watch alone: without an answer it goes on
+    /// as well.
+    async fn evaluated(&self, stored: &StoredExperiment) -> u64 {
+        if stored.stages.is_empty() {
+            return 0;
+        }
+        let summaries = self.shared.lineage.reader().summaries(Some(&[stored.id])).await;
+        summaries.ok().and_then(|summaries| summaries.first().map(|of| of.evaluated)).unwrap_or(0)
     }
 
     /// Writes down how conducting ended. One that was paused meanwhile stays so if it waits for a pick.
