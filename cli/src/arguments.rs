@@ -1,13 +1,16 @@
 //! Arguments as they are typed. It opens nothing, dials nothing and reads no file.
 
+mod orders;
 mod replay;
 mod stages;
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser};
 use coordinator::lineage::VIEWS;
 
+pub(crate) use orders::{Control, Watch};
 pub(crate) use replay::Replay;
 pub(crate) use stages::{Amend, Candidates, Fork, Pick};
 
@@ -21,6 +24,17 @@ pub(crate) struct Arguments {
     /// What to do.
     #[command(subcommand)]
     pub(crate) command: Command,
+}
+
+/// Whether a command line asks for JSON, also one that is not understood.
+pub(crate) fn ask_for_json(words: impl Iterator<Item = OsString>) -> bool {
+    words.take_while(|word| word != "--").any(|word| word == "--json")
+}
+
+/// What is wrong with a command line, without the word that text begins with.
+pub(crate) fn complaint(error: &clap::Error) -> String {
+    let text = error.render().to_string();
+    text.strip_prefix("error: ").unwrap_or(&text).trim_end().to_owned()
 }
 
 const EXAMPLES: &str = "\
@@ -53,8 +67,7 @@ pub(crate) enum Command {
     #[command(after_help = SOURCE_HELP)]
     Status(AskExperiment),
     /// Follow an experiment until it ends
-    #[command(after_help = WATCH_HELP)]
-    Watch(Control),
+    Watch(Watch),
     /// Hand out nothing more of an experiment; what runs is finished and recorded
     Pause(Control),
     /// Go on with a paused experiment
@@ -240,14 +253,13 @@ pub(crate) struct Submit {
 }
 
 const SUBMIT_HELP: &str = "\
-Example:
-  hatchery submit experiments/runner-neat.toml --coordinator http://head:7878
-  hatchery watch last --coordinator http://head:7878";
+Examples:
+  hatchery submit experiments/runner-neat.toml --join-file client.token
+  hatchery submit experiments/runner-neat.toml --join 'hatchery://head:7878#client-…'
+  HATCHERY_JOIN_FILE=client.token hatchery watch last
 
-const WATCH_HELP: &str = "\
-Bars on a terminal, one line a generation otherwise, one object a line with --json. Ends when every \
-experiment watched has ended or waits for a pick: exit code 0 if all finished, 1 if one failed or was \
-cancelled, 5 if one waits. Ctrl-C ends the watching alone.";
+A join token, as `hatchery-coordinator tokens new client` prints it, says where the coordinator is and lets you in. \
+Without one the coordinator of this machine is asked, at http://127.0.0.1:7878 unless --coordinator says otherwise.";
 
 /// A question to a coordinator or a file about one experiment.
 #[derive(Debug, Args)]
@@ -258,17 +270,6 @@ pub(crate) struct AskExperiment {
     /// Whom to ask.
     #[command(flatten)]
     pub(crate) ask: Ask,
-}
-
-/// An order to a coordinator about an experiment, or about every cell of a matrix.
-#[derive(Debug, Args)]
-pub(crate) struct Control {
-    /// `last`, a number or a name; the name of a matrix means all its cells
-    #[arg(value_name = "ID")]
-    pub(crate) experiment: String,
-    /// Which coordinator.
-    #[command(flatten)]
-    pub(crate) dial: Dial,
 }
 
 /// `hatchery best`.

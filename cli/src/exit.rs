@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use coordinator::lineage::OpenError;
 use prost::Message;
 use proto::v1;
 use tonic::Code;
@@ -24,7 +25,7 @@ pub(crate) enum Exit {
     Unreachable = 4,
     /// Somebody has to pick before the experiment goes on.
     Awaiting = 5,
-    /// Ctrl-C.
+    /// Ctrl-C, or nobody reads any more what a run prints.
     Interrupted = 130,
 }
 
@@ -132,6 +133,20 @@ impl From<tonic::Status> for Failure {
                 "{text}: the other side does not know this call; it may be of another release"
             )),
             _ => Failure::Failed(anyhow::Error::msg(text)),
+        }
+    }
+}
+
+/// Every command says the same of a file that is no lineage.
+impl From<OpenError> for Failure {
+    fn from(error: OpenError) -> Self {
+        match error {
+            OpenError::Missing { path } => Failure::NotFound(format!(
+                "{}: no such file; name a lineage with --db FILE, or a coordinator with --coordinator URL",
+                path.display()
+            )),
+            OpenError::Foreign { .. } => Failure::Usage(error.to_string()),
+            _ => Failure::Failed(error.into()),
         }
     }
 }

@@ -30,7 +30,15 @@ use exit::{Exit, Failure};
 use render::Output;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) if error.use_stderr() && arguments::ask_for_json(std::env::args_os()) => {
+            let failure = Failure::Usage(arguments::complaint(&error));
+            render::failure::report(&failure, true);
+            return failure.exit().into();
+        }
+        Err(error) => error.exit(),
+    };
     if let Command::Worker(arguments) = arguments.command {
         return worker::command::execute(arguments);
     }

@@ -142,9 +142,57 @@ fn a_file_that_is_no_lineage_is_refused_and_left_as_it_is() {
     std::fs::write(&path, "these are no pages of a database, but a text that is long enough to be read")
         .unwrap();
     let before = std::fs::read(&path).unwrap();
-    let ended = end(hatchery(&folder).args(["list", "--db", "notes.db"]));
-    assert_eq!(ended.code, 2, "{}", ended.err);
+    std::fs::write(folder.path().join("probe.toml"), PROBE).unwrap();
+    for command in [
+        &["list"][..],
+        &["status", "1"],
+        &["best", "1"],
+        &["sql", "SELECT 1"],
+        &["hash", "1"],
+        &["replay", "1"],
+        &["compare", "1"],
+        &["pick", "1", "1"],
+        &["cancel", "1"],
+        &["run", "probe.toml"],
+    ] {
+        let ended = end(hatchery(&folder).args(command).args(["--db", "notes.db"]));
+        assert_eq!(ended.code, 2, "{command:?}: {}", ended.err);
+        assert_eq!(ended.err.trim_end(), "error: notes.db: not a lineage (not an SQLite database)");
+    }
     assert_eq!(std::fs::read(&path).unwrap(), before);
+}
+
+#[test]
+fn a_usage_error_is_one_json_object_where_json_is_asked_for() {
+    let folder = folder();
+    for arguments in [&["frobnicate", "--json"][..], &["--json", "best"], &["list", "--json", "--port", "1"]]
+    {
+        let ended = end(hatchery(&folder).args(arguments));
+        let error: serde_json::Value = serde_json::from_str(&ended.err).unwrap();
+        assert_eq!((ended.code, &ended.out[..], &error["error"]["kind"]), (2, "", &"usage".into()));
+        let message = error["error"]["message"].as_str().unwrap();
+        assert!(message.contains("Usage: hatchery") && !message.starts_with("error"), "{message}");
+    }
+    let text = end(hatchery(&folder).args(["list", "--port", "1"]));
+    assert!(text.err.starts_with("error: unexpected argument"), "{}", text.err);
+    let help = end(hatchery(&folder).args(["list", "--json", "--help"]));
+    assert!(help.code == 0 && help.out.contains("Usage: hatchery list"), "{}", help.out);
+}
+
+#[test]
+fn check_reads_every_profile_unless_one_is_chosen() {
+    let folder = folder();
+    let profiles = "[profile.smoke.search]\ngenerations = 1\n[profile.large.search]\npopulation = 0\n\
+                    [profile.long.search]\ngenerations = 1\ngenerationen = 2\n";
+    std::fs::write(folder.path().join("a.toml"), format!("{PROBE}{profiles}")).unwrap();
+    let ended = end(hatchery(&folder).args(["check", "a.toml"]));
+    assert_eq!(ended.code, 2);
+    let lines: Vec<&str> = ended.err.lines().collect();
+    assert_eq!(lines.len(), 2, "{}", ended.err);
+    assert!(lines[0].starts_with("a.toml:10:") && lines[0].contains("population"), "{}", ended.err);
+    assert!(lines[1].starts_with("a.toml:13:") && lines[1].contains("generationen"), "{}", ended.err);
+    let ended = end(hatchery(&folder).args(["check", "a.toml", "--profile", "smoke"]));
+    assert_eq!((ended.code, ended.out.lines().next().unwrap()), (0, "a.toml: good"), "{}", ended.err);
 }
 
 #[test]

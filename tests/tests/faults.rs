@@ -184,7 +184,7 @@ fn a_read_only_lineage_is_refused_by_name_can_be_read_and_goes_on_once_it_is_wri
     assert!(refused.log().contains("lineage.db") && refused.log().contains("written"), "{}", refused.log());
     let db = hatchery.db().to_string_lossy().into_owned();
     let listed = command::succeed(elsewhere.path(), &["status", "last", "--db", &db]);
-    assert!(listed.contains("running"), "{listed}");
+    assert!(listed.contains("interrupted"), "{listed}");
     assert!(disk.remount("rw"));
     hatchery.restart_coordinator();
     hatchery.join("w1");

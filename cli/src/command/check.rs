@@ -12,10 +12,23 @@ use crate::exit::Failure;
 use crate::render::{Output, number};
 
 pub(super) fn check(arguments: &Check, output: Output) -> Result<(), Failure> {
-    let experiments = parse(&arguments.file, &read_text(&arguments.file)?, &arguments.overrides)?;
+    let (file, text) = (&arguments.file, read_text(&arguments.file)?);
+    let profiles = unchosen(&text, &arguments.overrides);
+    let chosen = read(&text, &arguments.overrides);
+    let mut problems: Vec<Problem> = chosen.as_ref().err().cloned().unwrap_or_default();
+    for profile in &profiles {
+        let overrides = Overrides { profile: Some(profile.clone()), ..arguments.overrides.clone() };
+        let found = read(&text, &overrides).err().unwrap_or_default();
+        problems.extend(found.into_iter().filter(|one| !problems.contains(one)).collect::<Vec<_>>());
+    }
+    let experiments = match chosen {
+        Ok(experiments) if problems.is_empty() => experiments,
+        _ => return Err(refuse(file, &text, problems)),
+    };
     if output.json {
         return output.document(&json!({
-            "file": arguments.file.display().to_string(),
+            "file": file.display().to_string(),
+            "profiles": profiles,
             "experiments": experiments.iter().map(document).collect::<Vec<_>>(),
         }));
     }
@@ -23,11 +36,20 @@ pub(super) fn check(arguments: &Check, output: Output) -> Result<(), Failure> {
         let texts: Vec<_> = experiments.iter().map(Experiment::resolved).collect();
         return output.line(texts.join("\n").trim_end());
     }
-    output.line(format!("{}: good", arguments.file.display()))?;
+    let also = if profiles.is_empty() { "" } else { ", and with each profile: " };
+    output.line(format!("{}: good{also}{}", file.display(), profiles.join(", ")))?;
     for experiment in &experiments {
         output.line(format!("  {}", summary(experiment)))?;
     }
     Ok(())
+}
+
+/// The profiles of a file, if none of them is chosen: whoever chooses one later should find it good.
+fn unchosen(text: &str, overrides: &Overrides) -> Vec<String> {
+    match overrides.profile {
+        Some(_) => Vec::new(),
+        None => Experiment::profiles(text).unwrap_or_default(),
+    }
 }
 
 /// The experiments of a file.
@@ -35,12 +57,16 @@ pub(super) fn check(arguments: &Check, output: Output) -> Result<(), Failure> {
 /// # Errors
 /// All its problems, each with its place.
 pub(super) fn parse(file: &Path, text: &str, overrides: &Overrides) -> Result<Vec<Experiment>, Failure> {
+    read(text, overrides).map_err(|problems| refuse(file, text, problems))
+}
+
+fn read(text: &str, overrides: &Overrides) -> Result<Vec<Experiment>, Vec<Problem>> {
     let set = overrides.set.iter().filter_map(|typed| typed.split_once('='));
     let overrides = search::Overrides {
         profile: overrides.profile.clone(),
         set: set.map(|(key, value)| (key.trim().to_owned(), value.trim().to_owned())).collect(),
     };
-    Experiment::parse(text, &overrides).map_err(|problems| refuse(file, text, problems))
+    Experiment::parse(text, &overrides)
 }
 
 /// The failure that shows the problems of a file.

@@ -1,16 +1,14 @@
 //! `hatchery compare`: reads cells from the lineage's views and prints what `crate::compare` makes of them.
 
 use std::collections::BTreeSet;
-use std::fs::File;
-use std::io::BufWriter;
 
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 
 use crate::arguments::Compare;
 use crate::compare::{cells, curves, overlay, plot, report, text};
 use crate::connect::{Cells as Row, Connection, Source};
 use crate::exit::Failure;
-use crate::render::Output;
+use crate::render::{Output, whole};
 
 pub(super) async fn compare(arguments: Compare, output: Output) -> Result<(), Failure> {
     let connection = Connection::open(&Source::of(&arguments.ask)?).await?;
@@ -39,9 +37,9 @@ pub(super) async fn compare(arguments: Compare, output: Output) -> Result<(), Fa
         output.line(text::text(&report))?;
     }
     if let Some(path) = &arguments.csv {
-        let place = || path.display().to_string();
-        let file = BufWriter::new(File::create(path).with_context(place)?);
-        curves::write_csv(&report.curves, file).with_context(place)?;
+        let mut csv = Vec::new();
+        curves::write_csv(&report.curves, &mut csv).map_err(anyhow::Error::new)?;
+        whole::write(path, &csv)?;
     }
     if let Some(folder) = &arguments.plot {
         let panels = plot::draw(&report.curves, folder)?;

@@ -1,5 +1,5 @@
-//! `hatchery pause`, `resume` and `cancel`: one order to a coordinator, about an experiment or every cell of
-//! a matrix.
+//! `hatchery pause`, `resume` and `cancel`: one order to a coordinator, or into a file at rest, about an experiment or
+//! every cell of a matrix.
 
 use proto::v1::ControlRequest;
 
@@ -18,7 +18,11 @@ pub(super) enum Order {
 }
 
 pub(super) async fn control(order: Order, arguments: Control, output: Output) -> Result<(), Failure> {
-    let connection = Connection::open(&Source::coordinator(&arguments.dial)?).await?;
+    let source = match arguments.db {
+        Some(file) => Source::File(file),
+        None => Source::coordinator(&arguments.dial)?,
+    };
+    let connection = Connection::open(&source).await?;
     let mut client = connection.experiments();
     let request = within(PROMPT, ControlRequest { experiment: arguments.experiment });
     let reply = match order {

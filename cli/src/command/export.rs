@@ -1,16 +1,14 @@
 //! `hatchery export`: a view of the lineage as CSV or NDJSON, streamed row by row. A file is whole or not
 //! there.
 
-use std::fs::File;
 use std::io::{BufWriter, Write};
-use std::path::Path;
 
-use anyhow::Context;
 use proto::v1::{Value, value::Kind};
 
 use crate::arguments::{Export, Format};
 use crate::connect::{Connection, Rows, Source};
 use crate::exit::Failure;
+use crate::render::whole::Whole;
 use crate::render::{Output, json, number};
 
 pub(super) async fn export(arguments: Export, output: Output) -> Result<(), Failure> {
@@ -20,32 +18,14 @@ pub(super) async fn export(arguments: Export, output: Output) -> Result<(), Fail
         write(rows, arguments.format, &mut BufWriter::new(std::io::stdout())).await?;
         return Ok(());
     };
-    let count = write_whole(rows, arguments.format, path).await?;
+    let mut file = Whole::begin(path)?;
+    let count = write(rows, arguments.format, &mut file).await?;
+    file.end()?;
     if output.json {
         let file = path.display().to_string();
         return output.document(&serde_json::json!({ "view": arguments.view, "file": file, "rows": count }));
     }
     output.line(format!("{}: {} rows of {}", path.display(), number::count(count), arguments.view))
-}
-
-/// Writes beside and renames, so that a reader sees all of it or nothing.
-async fn write_whole(rows: Rows, format: Format, path: &Path) -> Result<u64, Failure> {
-    let mut name = path.file_name().map(ToOwned::to_owned).unwrap_or_default();
-    name.push(".part");
-    let beside = path.with_file_name(name);
-    let place = || path.display().to_string();
-    let mut file = BufWriter::new(File::create(&beside).with_context(place)?);
-    match write(rows, format, &mut file).await {
-        Ok(count) => {
-            std::fs::rename(&beside, path).with_context(place)?;
-            Ok(count)
-        }
-        Err(failure) => {
-            // The failure that is told is the first one.
-            let _ = std::fs::remove_file(&beside);
-            Err(failure)
-        }
-    }
 }
 
 /// Writes rows and gives their number.

@@ -1,11 +1,10 @@
 //! `hatchery replay`: lives an individual again, and others beside it, and says whether every bit is as it was. It
 //! writes a recording and pictures if asked to, and nothing into the lineage.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::Path;
 
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use creatures::record::{Recording, Subject};
 use serde_json::{Value, json};
 
@@ -16,6 +15,7 @@ use crate::connect::{Connection, Source};
 use crate::exit::Failure;
 use crate::picture::{self, Layout};
 use crate::render::Output;
+use crate::render::whole::Whole;
 
 mod light;
 
@@ -79,7 +79,7 @@ fn draw(lives: &[Life], arguments: &Replay) -> Result<(), Failure> {
         lives.iter().filter_map(|life| Some((life, life.seen.as_ref()?))).collect();
     let Some(&(first, of_first)) = seen.first() else { return Ok(()) };
     if let Some(file) = &arguments.recording {
-        write(&of_first.recording, &of_first.subject, file).with_context(|| file.display().to_string())?;
+        write(&of_first.recording, &of_first.subject, file)?;
     }
     let captions = first.captions(of_first);
     if let Some(file) = &arguments.picture {
@@ -126,9 +126,9 @@ fn cut(recording: &mut Recording, from: Option<f64>, to: Option<f64>) -> Result<
 }
 
 fn write(recording: &Recording, subject: &Subject, file: &Path) -> std::io::Result<()> {
-    let mut out = BufWriter::new(File::create(file)?);
+    let mut out = Whole::begin(file)?;
     for line in recording.lines(subject) {
         writeln!(out, "{line}")?;
     }
-    out.into_inner().map_err(|error| error.into_error())?.sync_all()
+    out.end()
 }

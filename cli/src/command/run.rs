@@ -10,9 +10,10 @@ use std::time::Instant;
 
 use anyhow::anyhow;
 use coordinator::scheduler::Summary;
-use coordinator::{Config, Running};
+use coordinator::{Config, Running, StartError};
 use proto::v1::watch_event::What;
 use proto::v1::{ControlRequest, ListRequest, SubmitReply, SubmitRequest};
+use search::Experiment;
 use tokio::sync::watch as latest;
 
 use super::{check, import, read_text, watch};
@@ -35,18 +36,25 @@ pub(super) async fn run(mut arguments: Run, output: Output) -> Result<(), Failur
         arguments.overrides.set.push(import::assignment(named, &lineage).await?);
     }
     // A file with problems makes no database.
-    check::parse(&arguments.file, &text, &arguments.overrides)?;
+    let asked = check::parse(&arguments.file, &text, &arguments.overrides)?;
     let coordinator = coordinator::start(Config::embedded(arguments.db.clone()));
-    let coordinator = coordinator.await.map_err(anyhow::Error::new)?;
+    let coordinator = coordinator.await.map_err(|error| match error {
+        StartError::Lineage(error) => Failure::from(error),
+        error => Failure::Failed(error.into()),
+    })?;
     let mut crew = Crew::start(workers(&arguments), &address(&coordinator));
     let done = tokio::select! {
-        done = conduct(&arguments, &again, text, &coordinator, &mut crew, output) => done,
-        () = signals.first() => Err(Failure::Interrupted(format!(
-            "interrupted; what was evaluated is in {}, and this goes on with it: {}",
-            arguments.db.display(),
-            again
-        ))),
+        done = conduct(&arguments, &again, (text, &asked), &coordinator, &mut crew, output) => match done {
+            Err(failure) if failure.is_broken_pipe() => Err("nobody reads standard output any more"),
+            done => Ok(done),
+        },
+        () = signals.first() => Err("interrupted"),
     };
+    let done = done.unwrap_or_else(|why| {
+        let db = arguments.db.display();
+        let text = format!("{why}; what was evaluated is in {db}, and this goes on with it: {again}");
+        Err(Failure::Interrupted(text))
+    });
     let summary = match done {
         Ok(conducted) => summary::gather(&conducted, &arguments.db, begun.elapsed()).await,
         Err(failure) => Err(failure),
@@ -75,7 +83,7 @@ struct Conducted {
 async fn conduct(
     arguments: &Run,
     again: &str,
-    text: String,
+    (text, asked): (String, &[Experiment]),
     coordinator: &Running,
     crew: &mut Crew,
     output: Output,
@@ -98,6 +106,11 @@ async fn conduct(
         workers => format!("{workers} workers"),
     };
     progress.say(&format!("coordinator at {address}, {workers}, lineage in {}", arguments.db.display()))?;
+    let named = asked.first().map(|asked| asked.group.as_ref().unwrap_or(&asked.name));
+    let name = if group.is_empty() { &first.name } else { &group };
+    if let Some(before) = named.filter(|&before| before != name && !submitted.resumed) {
+        progress.say(&format!("{before} in this lineage is over: a new experiment begins, {name}"))?;
+    }
     let own = |id: u64| submitted.experiments.iter().any(|experiment| experiment.id == id);
     let all = connection.experiments().list(within(PROMPT, ListRequest {})).await?.into_inner().experiments;
     for other in all.iter().filter(|other| other.state == "running" && !own(other.id)) {

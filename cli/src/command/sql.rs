@@ -1,13 +1,16 @@
 //! `hatchery sql`: one SELECT of the user's on the documented views, answered as a table or as one object a
-//! line.
+//! line. It holds no more rows than a table's columns are measured by.
 
 use proto::v1::{QueryRequest, Value, query_request::What, value::Kind};
 
 use crate::arguments::Sql;
 use crate::connect::{Connection, Source};
 use crate::exit::Failure;
-use crate::render::table::{plain, text};
+use crate::render::table::Aligned;
 use crate::render::{Output, json, number};
+
+/// So many rows say how wide the columns are; a later cell that is wider moves what is to its right.
+const MEASURED: usize = 1000;
 
 pub(super) async fn sql(arguments: Sql, output: Output) -> Result<(), Failure> {
     let connection = Connection::open(&Source::of(&arguments.ask)?).await?;
@@ -23,15 +26,21 @@ pub(super) async fn sql(arguments: Sql, output: Output) -> Result<(), Failure> {
         }
         return Ok(());
     }
-    let mut table = plain(rows.columns());
-    let mut count = 0;
-    while let Some(values) = rows.next().await? {
-        table.add_row(values.iter().map(cell));
-        count += 1;
+    let mut first = vec![rows.columns().to_vec()];
+    while first.len() <= MEASURED
+        && let Some(values) = rows.next().await?
+    {
+        first.push(values.iter().map(cell).collect());
     }
-    output.line(text(&table))?;
-    if count == 0 {
+    let columns = Aligned::by(&first);
+    for row in &first {
+        output.line(columns.line(row))?;
+    }
+    if first.len() == 1 {
         output.line("(no rows)")?;
+    }
+    while let Some(values) = rows.next().await? {
+        output.line(columns.line(&values.iter().map(cell).collect::<Vec<_>>()))?;
     }
     Ok(())
 }

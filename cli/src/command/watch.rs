@@ -3,14 +3,14 @@
 use proto::v1::{Experiment, WatchEvent, WatchRequest};
 use tonic::Streaming;
 
-use crate::arguments::Control;
+use crate::arguments::Watch;
 use crate::connect::{Connection, Source};
 use crate::exit::Failure;
 use crate::render::Output;
 use crate::render::progress::Progress;
 use crate::signals::Signals;
 
-pub(super) async fn watch(arguments: Control, output: Output) -> Result<(), Failure> {
+pub(super) async fn watch(arguments: Watch, output: Output) -> Result<(), Failure> {
     let mut signals = Signals::listen()?;
     let connection = Connection::open(&Source::coordinator(&arguments.dial)?).await?;
     let mut events = open(&connection, &arguments.experiment).await?;
@@ -18,19 +18,24 @@ pub(super) async fn watch(arguments: Control, output: Output) -> Result<(), Fail
     loop {
         tokio::select! {
             event = events.message() => match event? {
-                Some(event) => progress.show(&event)?,
+                Some(event) => match progress.show(&event) {
+                    Err(failure) if failure.is_broken_pipe() => return Err(ended()),
+                    shown => shown?,
+                },
                 None => break,
             },
             () = signals.first() => {
                 progress.end();
-                return Err(Failure::Interrupted(
-                    "the watching ended; the experiment goes on".to_owned(),
-                ));
+                return Err(ended());
             }
         }
     }
     progress.end();
     verdict(progress.experiments())
+}
+
+fn ended() -> Failure {
+    Failure::Interrupted("the watching ended; the experiment goes on".to_owned())
 }
 
 /// Opens the stream of what happens to an experiment, or to the cells of a matrix. It has no deadline: it

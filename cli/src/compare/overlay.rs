@@ -3,13 +3,13 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::axes::{self, Extent, Room};
 use super::curves::Curve;
-use crate::render::letters;
+use crate::render::drawing::{Drawing, save};
 
 const WIDTH: u32 = 960;
 const HEIGHT_MIN: u32 = 560;
@@ -39,47 +39,53 @@ pub(crate) fn draw(curves: &[Curve], folder: &Path) -> anyhow::Result<[PathBuf; 
     if curves.is_empty() {
         return Err(anyhow!("no finished run, so no curve to draw"));
     }
-    letters::register();
-    let (png, svg) = (folder.join("best.png"), folder.join("best.svg"));
-    // As high as the names need.
-    let size = (WIDTH, HEIGHT_MIN.max(NAME_HEIGHT * (curves.len() as u32 + 2)));
-    let drawn = overlay(&curves, BitMapBackend::new(&png, size).into_drawing_area());
-    drawn.with_context(|| format!("{}", png.display()))?;
-    let drawn = overlay(&curves, SVGBackend::new(&svg, size).into_drawing_area());
-    drawn.with_context(|| format!("{}", svg.display()))?;
-    Ok([png, svg])
+    let files = ["best.png", "best.svg"].map(|name| folder.join(name));
+    files.iter().try_for_each(|file| save(&Overlay { curves: &curves }, file))?;
+    Ok(files)
 }
 
-fn overlay<B: DrawingBackend>(curves: &[&Curve], area: DrawingArea<B, Shift>) -> anyhow::Result<()>
-where
-    B::ErrorType: 'static,
-{
-    area.fill(&WHITE)?;
-    let (left, names) = area.split_horizontally(WIDTH - NAMES_WIDTH);
-    let points = || curves.iter().flat_map(|curve| &curve.points);
-    let extent = Extent {
-        last: points().map(|point| point.generation).max().unwrap_or(1),
-        bottom: points().map(|point| point.best).fold(0.0, f64::min),
-        top: points().map(|point| point.best).fold(0.0, f64::max),
-    };
-    let mut chart = axes::draw(&left, extent, ROOM, "best fitness")?;
-    for (index, curve) in curves.iter().enumerate() {
-        let line = curve.points.iter().map(|point| (point.generation, point.best));
-        chart.draw_series(LineSeries::new(line, style(index)))?;
+struct Overlay<'a> {
+    curves: &'a [&'a Curve],
+}
+
+impl Drawing for Overlay<'_> {
+    /// As high as the names need.
+    fn size(&self) -> (u32, u32) {
+        (WIDTH, HEIGHT_MIN.max(NAME_HEIGHT * (self.curves.len() as u32 + 2)))
     }
-    // The highest end first, as the eye meets the curves.
-    let mut order: Vec<(usize, f64)> =
-        curves.iter().map(|curve| curve.points[curve.points.len() - 1].best).enumerate().collect();
-    order.sort_by(|(_, a), (_, b)| b.total_cmp(a));
-    for (row, (index, end)) in (0..).zip(order) {
-        let y = 20 + row * NAME_HEIGHT as i32;
-        names.draw(&PathElement::new([(4, y + 7), (28, y + 7)], style(index)))?;
-        let Curve { body, method, .. } = curves[index];
-        let name = format!("{body}, {method}: {end:.0}");
-        names.draw(&Text::new(name, (36, y), ("sans-serif", 14)))?;
+
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> anyhow::Result<()>
+    where
+        B::ErrorType: 'static,
+    {
+        let curves = self.curves;
+        area.fill(&WHITE)?;
+        let (left, names) = area.split_horizontally(WIDTH - NAMES_WIDTH);
+        let points = || curves.iter().flat_map(|curve| &curve.points);
+        let extent = Extent {
+            last: points().map(|point| point.generation).max().unwrap_or(1),
+            bottom: points().map(|point| point.best).fold(0.0, f64::min),
+            top: points().map(|point| point.best).fold(0.0, f64::max),
+        };
+        let mut chart = axes::draw(&left, extent, ROOM, "best fitness")?;
+        for (index, curve) in curves.iter().enumerate() {
+            let line = curve.points.iter().map(|point| (point.generation, point.best));
+            chart.draw_series(LineSeries::new(line, style(index)))?;
+        }
+        // The highest end first, as the eye meets the curves.
+        let mut order: Vec<(usize, f64)> =
+            curves.iter().map(|curve| curve.points[curve.points.len() - 1].best).enumerate().collect();
+        order.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+        for (row, (index, end)) in (0..).zip(order) {
+            let y = 20 + row * NAME_HEIGHT as i32;
+            names.draw(&PathElement::new([(4, y + 7), (28, y + 7)], style(index)))?;
+            let Curve { body, method, .. } = curves[index];
+            let name = format!("{body}, {method}: {end:.0}");
+            names.draw(&Text::new(name, (36, y), ("sans-serif", 14)))?;
+        }
+        area.present()?;
+        Ok(())
     }
-    area.present()?;
-    Ok(())
 }
 
 fn style(index: usize) -> ShapeStyle {

@@ -10,7 +10,7 @@ use plotters::prelude::*;
 
 use super::axes::{self, Extent, Room};
 use super::curves::{Curve, Point};
-use crate::render::letters;
+use crate::render::drawing::{Drawing, save};
 
 const PANEL_WIDTH: u32 = 480;
 const PANEL_HEIGHT: u32 = 320;
@@ -39,14 +39,9 @@ const LINES: [Line; 3] =
 pub(crate) fn draw(curves: &[Curve], folder: &Path) -> anyhow::Result<[PathBuf; 2]> {
     let grid = Grid::of(curves)?;
     std::fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
-    letters::register();
-    let (png, svg) = (folder.join("curves.png"), folder.join("curves.svg"));
-    let size = grid.size();
-    let drawn = grid.draw(BitMapBackend::new(&png, size).into_drawing_area());
-    drawn.with_context(|| format!("{}", png.display()))?;
-    let drawn = grid.draw(SVGBackend::new(&svg, size).into_drawing_area());
-    drawn.with_context(|| format!("{}", svg.display()))?;
-    Ok([png, svg])
+    let files = ["curves.png", "curves.svg"].map(|name| folder.join(name));
+    files.iter().try_for_each(|file| save(&grid, file))?;
+    Ok(files)
 }
 
 /// Panels in rows of one body and columns of one method. A cell that has several curves has them in the
@@ -77,12 +72,14 @@ impl<'a> Grid<'a> {
         }
         Ok(Grid { curves, bodies, methods })
     }
+}
 
+impl Drawing for Grid<'_> {
     fn size(&self) -> (u32, u32) {
         (PANEL_WIDTH * self.methods.len() as u32, PANEL_HEIGHT * self.bodies.len() as u32)
     }
 
-    fn draw<B: DrawingBackend>(&self, area: DrawingArea<B, Shift>) -> anyhow::Result<()>
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> anyhow::Result<()>
     where
         B::ErrorType: 'static,
     {
@@ -99,7 +96,9 @@ impl<'a> Grid<'a> {
         area.present()?;
         Ok(())
     }
+}
 
+impl Grid<'_> {
     fn panel<B: DrawingBackend>(
         &self,
         panel: &DrawingArea<B, Shift>,
@@ -173,7 +172,7 @@ mod tests {
 
     #[test]
     fn letters_leave_ink_in_the_bitmap() {
-        letters::register();
+        crate::render::letters::register();
         let ink = |caption: &str| {
             let mut pixels = vec![255u8; (PANEL_WIDTH * PANEL_HEIGHT * 3) as usize];
             let area =

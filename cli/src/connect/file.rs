@@ -1,12 +1,13 @@
 //! A lineage file served in this process over a pipe in memory, so that a command which reads a file is the
 //! same gRPC client as one which asks a coordinator. Nothing listens, and a run may be writing the file
-//! meanwhile. Picks, changed files and forks are written, into a file that nobody else writes; nothing is evaluated.
+//! meanwhile. Picks, orders, changed files and forks are written, into a file that nobody else writes; nothing is
+//! evaluated.
 
 use std::path::Path;
 use std::pin::Pin;
 
-use coordinator::driver::{amend_at_rest, fork_at_rest, pick_at_rest};
-use coordinator::lineage::{IndividualId, Lineage, OpenError, ReadError, Reader};
+use coordinator::driver::{amend_at_rest, control_at_rest, fork_at_rest, pick_at_rest};
+use coordinator::lineage::{IndividualId, Lineage, OpenError, ReadError, Reader, State, Summary, is_at_work};
 use coordinator::service::experiments::{self, render_summary};
 use coordinator::service::lineage::{LineageService, OWN, status};
 use hyper_util::rt::TokioIo;
@@ -20,6 +21,8 @@ use tonic::{Request, Response, Status};
 
 use crate::exit::Failure;
 
+/// The state of an experiment that was running when whoever ran it ended.
+const INTERRUPTED: &str = "interrupted";
 /// Room for what is on its way through the pipe, bytes.
 const PIPE_SIZE: usize = 1 << 20;
 
@@ -28,12 +31,13 @@ const PIPE_SIZE: usize = 1 << 20;
 /// # Errors
 /// No such file, or a file that is no lineage, or not of this release.
 pub(super) async fn serve(path: &Path) -> Result<Line, Failure> {
-    let reader = Reader::open(path).await.map_err(refusal)?;
+    let is_at_rest = !is_at_work(path);
+    let reader = Reader::open(path).await?;
     let (ours, theirs) = tokio::io::duplex(PIPE_SIZE);
     let once = tokio_stream::once(Ok::<_, std::io::Error>(theirs)).chain(tokio_stream::pending());
     let router = Server::builder()
         .add_service(LineageService::within(reader.clone(), OWN).into_server())
-        .add_service(ExperimentsServer::new(Stored { reader }));
+        .add_service(ExperimentsServer::new(Stored { reader, is_at_rest }));
     tokio::spawn(async move {
         if let Err(error) = router.serve_with_incoming(once).await {
             tracing::warn!("the service in this process ended: {error}");
@@ -50,21 +54,12 @@ pub(super) async fn serve(path: &Path) -> Result<Line, Failure> {
     Ok(InterceptedService::new(channel, Show::nothing()))
 }
 
-fn refusal(error: OpenError) -> Failure {
-    match error {
-        OpenError::Missing { path } => Failure::NotFound(format!(
-            "{}: no such file; name a lineage with --db FILE, or a coordinator with --coordinator URL",
-            path.display()
-        )),
-        OpenError::Foreign { .. } => Failure::Usage(error.to_string()),
-        _ => Failure::Failed(error.into()),
-    }
-}
-
 /// The `Experiments` service as far as a file can answer: what there is, and how far it was when last
 /// written.
 struct Stored {
     reader: Reader,
+    /// Nobody was at work on the file when it was opened.
+    is_at_rest: bool,
 }
 
 impl Stored {
@@ -74,7 +69,38 @@ impl Stored {
         let summary = summaries.pop();
         let summary = summary.ok_or_else(|| status(ReadError::NotFound { what: "experiment", reference }))?;
         let resolved = self.reader.experiment(id).await.map_err(status)?.resolved;
-        Ok(Response::new(v1::Experiment { resolved, ..render_summary(summary) }))
+        Ok(Response::new(v1::Experiment { resolved, ..self.render(summary) }))
+    }
+
+    /// What the file has as running, and nobody runs, was interrupted.
+    fn render(&self, summary: Summary) -> v1::Experiment {
+        let mut rendered = render_summary(summary);
+        if self.is_at_rest && rendered.state == State::Running.word() {
+            rendered.state = INTERRUPTED.to_owned();
+            rendered.reason = "nobody is at work on it; it goes on when it is run again".to_owned();
+        }
+        rendered
+    }
+
+    /// Carries an order out on all that a reference names.
+    async fn control(
+        &self,
+        request: Request<v1::ControlRequest>,
+        to: State,
+    ) -> Result<Response<v1::ListReply>, Status> {
+        let ids = self.reader.find(&request.into_inner().experiment).await.map_err(status)?;
+        let lineage = self.write().await?;
+        let ordered = async {
+            for &id in &ids {
+                control_at_rest(&lineage, id, to).await?;
+            }
+            Ok(())
+        };
+        let ordered = ordered.await.map_err(experiments::control_status);
+        written(lineage, ordered).await?;
+        let summaries = self.reader.summaries(Some(&ids)).await.map_err(status)?;
+        let experiments = summaries.into_iter().map(|summary| self.render(summary)).collect();
+        Ok(Response::new(v1::ListReply { experiments }))
     }
 
     /// The right to write the file, which one at a time has.
@@ -111,7 +137,8 @@ fn needs_coordinator<T>() -> Result<Response<T>, Status> {
 impl Experiments for Stored {
     async fn list(&self, _: Request<v1::ListRequest>) -> Result<Response<v1::ListReply>, Status> {
         let summaries = self.reader.summaries(None).await.map_err(status)?;
-        Ok(Response::new(v1::ListReply { experiments: summaries.into_iter().map(render_summary).collect() }))
+        let experiments = summaries.into_iter().map(|summary| self.render(summary)).collect();
+        Ok(Response::new(v1::ListReply { experiments }))
     }
 
     async fn get(&self, request: Request<v1::GetRequest>) -> Result<Response<v1::Experiment>, Status> {
@@ -163,15 +190,15 @@ impl Experiments for Stored {
         needs_coordinator()
     }
 
-    async fn pause(&self, _: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
-        needs_coordinator()
+    async fn pause(&self, request: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
+        self.control(request, State::Paused).await
     }
 
-    async fn resume(&self, _: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
-        needs_coordinator()
+    async fn resume(&self, request: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
+        self.control(request, State::Running).await
     }
 
-    async fn cancel(&self, _: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
-        needs_coordinator()
+    async fn cancel(&self, request: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
+        self.control(request, State::Cancelled).await
     }
 }

@@ -14,11 +14,12 @@ mod view;
 
 use std::path::Path;
 
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use creatures::record::Recording;
-use plotters::backend::{BitMapBackend, DrawingBackend};
+use plotters::backend::BitMapBackend;
 use plotters::drawing::IntoDrawingArea;
 
+use crate::render::drawing::png;
 use crate::render::letters;
 use cell::Pixels;
 pub(crate) use lanes::beside;
@@ -45,11 +46,7 @@ pub(crate) fn draw(
     file: &Path,
 ) -> anyhow::Result<()> {
     let sheet = shrunk(&pixels(recording, layout, [title, subtitle])?);
-    let mut backend = BitMapBackend::new(file, sheet.size);
-    backend
-        .blit_bitmap((0, 0), sheet.size, &sheet.bytes)
-        .and_then(|()| backend.present())
-        .with_context(|| file.display().to_string())
+    Ok(png(sheet.size, &sheet.bytes, file)?)
 }
 
 /// The sheet before it is shrunk.

@@ -3,13 +3,13 @@
 
 use std::path::Path;
 
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use creatures::record::Recording;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::ink;
-use crate::render::letters;
+use crate::render::drawing::{Drawing, save};
 
 const PANEL_WIDTH: u32 = 460;
 const PANEL_HEIGHT: u32 = 150;
@@ -26,25 +26,18 @@ const SEGMENTS_MAX: usize = 64;
 /// # Errors
 /// A recording that tells of no muscles, too many creatures, or a file that cannot be written.
 pub(crate) fn draw(recording: &Recording, captions: &[String; 2], file: &Path) -> anyhow::Result<()> {
-    let chart = Chart::of(recording)?;
-    letters::register();
-    let is_svg = file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg"));
-    let drawn = if is_svg {
-        chart.draw(SVGBackend::new(file, chart.size()).into_drawing_area(), captions)
-    } else {
-        chart.draw(BitMapBackend::new(file, chart.size()).into_drawing_area(), captions)
-    };
-    drawn.with_context(|| file.display().to_string())
+    save(&Chart::of(recording, captions)?, file)
 }
 
 struct Chart<'a> {
     recording: &'a Recording,
+    captions: &'a [String; 2],
     /// Each with the places of its muscles.
     segments: Vec<(&'a str, Vec<usize>)>,
 }
 
 impl<'a> Chart<'a> {
-    fn of(recording: &'a Recording) -> anyhow::Result<Chart<'a>> {
+    fn of(recording: &'a Recording, captions: &'a [String; 2]) -> anyhow::Result<Chart<'a>> {
         let scene = &recording.scene;
         let mut segments: Vec<(&str, Vec<usize>)> = Vec::new();
         for (place, name) in scene.muscles.iter().enumerate() {
@@ -66,22 +59,21 @@ impl<'a> Chart<'a> {
                 scene.creatures.len()
             ));
         }
-        Ok(Chart { recording, segments })
+        Ok(Chart { recording, captions, segments })
     }
+}
 
+impl Drawing for Chart<'_> {
     fn size(&self) -> (u32, u32) {
         let (across, down) = (self.recording.scene.creatures.len() as u32, self.segments.len() as u32);
         (PANEL_WIDTH * across, HEADER + PANEL_HEIGHT * down + FOOTER)
     }
 
-    fn draw<B: DrawingBackend>(
-        &self,
-        area: DrawingArea<B, Shift>,
-        [title, subtitle]: &[String; 2],
-    ) -> anyhow::Result<()>
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> anyhow::Result<()>
     where
         B::ErrorType: 'static,
     {
+        let [title, subtitle] = self.captions;
         area.fill(&ink::PAPER)?;
         let (header, rest) = area.split_vertically(HEADER);
         let (panels, footer) = rest.split_vertically(PANEL_HEIGHT * self.segments.len() as u32);
@@ -106,7 +98,9 @@ impl<'a> Chart<'a> {
         area.present()?;
         Ok(())
     }
+}
 
+impl Chart<'_> {
     fn panel<B: DrawingBackend>(
         &self,
         panel: &DrawingArea<B, Shift>,
@@ -202,8 +196,8 @@ mod tests {
 
     #[test]
     fn muscles_without_sides_have_a_panel_each() {
-        let recording = recorded("esp", 0);
-        let chart = Chart::of(&recording).unwrap();
+        let (recording, captions) = (recorded("esp", 0), captions());
+        let chart = Chart::of(&recording, &captions).unwrap();
         assert_eq!(chart.segments.len(), recording.scene.muscles.len());
         assert_eq!(["left_front_top", "left", "a_b"].map(segment), ["front", "left", "a_b"]);
     }

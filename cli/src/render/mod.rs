@@ -1,11 +1,13 @@
 //! Where answers go: text or JSON on standard output, errors and bars on standard error. It asks nothing.
 
+pub(crate) mod drawing;
 pub(crate) mod failure;
 pub(crate) mod json;
 pub(crate) mod letters;
 pub(crate) mod number;
 pub(crate) mod progress;
 pub(crate) mod table;
+pub(crate) mod whole;
 
 use std::io::{IsTerminal, Write};
 

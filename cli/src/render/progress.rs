@@ -2,8 +2,9 @@
 //! one object a line with `--json`. It never asks; it shows what it is told.
 
 use std::collections::BTreeMap;
+use std::time::Duration;
 
-use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use proto::v1;
 use proto::v1::watch_event::What;
 
@@ -172,6 +173,8 @@ struct Bar {
     generation: String,
     best: Option<f64>,
     fleet: String,
+    /// Until the end, where both plan and pace are known.
+    left: Option<Duration>,
 }
 
 impl Bars {
@@ -184,8 +187,8 @@ impl Bars {
         self.each.entry(experiment).or_insert_with(|| {
             let drawn = self.all.add(ProgressBar::no_length().with_prefix(name.to_owned()));
             drawn.set_style(style("{prefix} {spinner} {pos} {wide_msg}"));
-            drawn.enable_steady_tick(std::time::Duration::from_millis(250));
-            Bar { drawn, stage: 0, generation: String::new(), best: None, fleet: String::new() }
+            drawn.enable_steady_tick(Duration::from_millis(250));
+            Bar { drawn, stage: 0, generation: String::new(), best: None, fleet: String::new(), left: None }
         })
     }
 
@@ -232,6 +235,9 @@ impl Bars {
             1 => format!("{:.0}/s, 1 worker", of.rate),
             workers => format!("{:.0}/s, {workers} workers", of.rate),
         };
+        // At the pace of this sitting: the bar itself would count what was done before into it.
+        let left = of.planned.saturating_sub(of.evaluated) as f64 / of.rate;
+        bar.left = Duration::try_from_secs_f64(left).ok().filter(|left| !left.is_zero());
         bar.draw();
     }
 }
@@ -240,13 +246,16 @@ impl Bar {
     fn length(&self, planned: u64) {
         if planned > 0 && self.drawn.length() != Some(planned) {
             self.drawn.set_length(planned);
-            self.drawn.set_style(style("{prefix} {bar:24} {pos}/{len} {wide_msg} {eta}"));
+            // The bar takes what the words leave of the terminal's width.
+            self.drawn.set_style(style("{prefix} {wide_bar} {pos}/{len} {msg}"));
         }
     }
 
     fn draw(&self) {
         let best = self.best.map(|best| format!("best {}", number::figure(best)));
-        let parts = [self.generation.clone(), best.unwrap_or_default(), self.fleet.clone()];
+        let left = self.left.map(|left| format!("{:#}", HumanDuration(left)));
+        let parts =
+            [self.generation.clone(), best.unwrap_or_default(), self.fleet.clone(), left.unwrap_or_default()];
         let parts: Vec<_> = parts.into_iter().filter(|part| !part.is_empty()).collect();
         self.drawn.set_message(parts.join("  "));
     }
@@ -306,10 +315,27 @@ mod tests {
         );
         assert_eq!(bars.each[&1].drawn.length(), None);
         assert_eq!(bars.each[&1].drawn.message(), "run 2 generation 12/40  best 61.2000  3/s, 1 worker");
-        bars.progress(1, "crawler", &v1::Progress { planned: 80, ..Default::default() });
+        let later = v1::Progress { evaluated: 10, planned: 80, rate: 0.5, workers: 2, ..Default::default() };
+        bars.progress(1, "crawler", &later);
         assert_eq!(bars.each[&1].drawn.length(), Some(80));
+        assert_eq!(bars.each[&1].drawn.message(), "run 2 generation 12/40  best 61.2000  0/s, 2 workers  2m");
         bars.state(&v1::Experiment { id: 1, state: "finished".into(), ..Default::default() });
         assert!(bars.each.is_empty());
+    }
+
+    #[test]
+    fn a_bar_begins_at_what_is_done() {
+        let mut bars = Bars::new();
+        let resumed = v1::Experiment {
+            id: 1,
+            name: "a".into(),
+            state: "running".into(),
+            evaluated: 60,
+            planned: 80,
+            ..Default::default()
+        };
+        bars.state(&resumed);
+        assert_eq!((bars.each[&1].drawn.position(), bars.each[&1].drawn.length()), (60, Some(80)));
     }
 
     #[test]

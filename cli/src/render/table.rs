@@ -20,8 +20,11 @@ pub(crate) fn table(columns: &[Column], rows: impl IntoIterator<Item = Vec<Strin
         Column::Left(heading) | Column::Right(heading) => *heading,
         Column::Bar => "|",
     });
-    let mut table = plain(headings);
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_content_arrangement(ContentArrangement::Disabled);
+    table.set_header(headings);
     for (place, drawn) in table.column_iter_mut().enumerate() {
+        drawn.set_padding((0, 2));
         if let Column::Right(_) = columns[place] {
             drawn.set_cell_alignment(CellAlignment::Right);
         }
@@ -32,23 +35,35 @@ pub(crate) fn table(columns: &[Column], rows: impl IntoIterator<Item = Vec<Strin
     for row in rows {
         table.add_row(row);
     }
-    text(&table)
-}
-
-/// A table whose headings are known only when it runs; everything to the left.
-pub(crate) fn plain<T: Into<comfy_table::Cell>>(headings: impl IntoIterator<Item = T>) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_content_arrangement(ContentArrangement::Disabled);
-    table.set_header(headings.into_iter().map(Into::into).collect::<Vec<comfy_table::Cell>>());
-    for column in table.column_iter_mut() {
-        column.set_padding((0, 2));
-    }
-    table
-}
-
-/// A table's text, without the blanks that would pad its lines.
-pub(crate) fn text(table: &Table) -> String {
+    // Without the blanks that would pad its lines.
     table.lines().map(|line| line.trim_end().to_owned()).collect::<Vec<_>>().join("\n")
+}
+
+/// Columns of a table that is printed as it comes, everything to the left.
+#[derive(Debug)]
+pub(crate) struct Aligned {
+    /// In characters.
+    widths: Vec<usize>,
+}
+
+impl Aligned {
+    /// As wide as the cells of some rows.
+    pub(crate) fn by(rows: &[Vec<String>]) -> Aligned {
+        let mut widths = Vec::new();
+        for row in rows {
+            widths.resize(widths.len().max(row.len()), 0);
+            for (width, cell) in widths.iter_mut().zip(row) {
+                *width = cell.chars().count().max(*width);
+            }
+        }
+        Aligned { widths }
+    }
+
+    /// One row.
+    pub(crate) fn line(&self, row: &[String]) -> String {
+        let cells = self.widths.iter().zip(row).map(|(&width, cell)| format!("{cell:width$}"));
+        cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
+    }
 }
 
 /// Facts under one another: names to the left, what they are beside.
@@ -61,6 +76,15 @@ pub(crate) fn facts(facts: &[(&str, String)]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_that_come_later_keep_to_the_columns_and_a_wide_cell_moves_its_neighbours() {
+        let row = |cells: [&str; 2]| cells.map(str::to_owned).to_vec();
+        let columns = Aligned::by(&[row(["id", "name"]), row(["12", "ö"])]);
+        assert_eq!(columns.line(&row(["12", "ö"])), "12  ö");
+        assert_eq!(columns.line(&row(["1", ""])), "1");
+        assert_eq!(columns.line(&row(["1234", "a"])), "1234  a");
+    }
 
     #[test]
     fn numbers_stand_to_the_right_and_no_line_ends_in_blanks() {

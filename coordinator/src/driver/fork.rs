@@ -8,7 +8,7 @@ use super::amend::{AmendError, Changed, differences};
 use super::submit::describe;
 use super::{ControlError, Driver, incompatible};
 use crate::lineage::{
-    Event, ExperimentId, Lineage, Origin, ReadError, StoredExperiment, StoredStage, WriteError,
+    Event, ExperimentId, Lineage, Origin, ReadError, StageId, StoredExperiment, StoredStage, WriteError,
 };
 
 /// What is forked.
@@ -44,6 +44,17 @@ pub enum ForkError {
         stage: String,
         /// Which run.
         run: u32,
+    },
+    /// That stage was the last one.
+    #[error(
+        "nothing comes after stage `{stage}` of experiment {experiment}: name an earlier stage or, for a syllabus, a FILE \
+         with more skills; to evolve it again, run its file with another --seed"
+    )]
+    Over {
+        /// Which experiment.
+        experiment: ExperimentId,
+        /// As it was asked for.
+        stage: String,
     },
     /// The file has problems.
     #[error("the experiment file has {} problem(s)", .0.len())]
@@ -97,6 +108,9 @@ pub async fn fork_at_rest(
         None => Vec::new(),
         Some(_) => differences(lineage, &stored, &experiment, &ends).await?,
     };
+    if is_over(lineage, &experiment, &ends).await? {
+        return Err(ForkError::Over { experiment: fork.from, stage: fork.after });
+    }
     let origin = Some(Origin { experiment: holder.id, stage });
     let ids = lineage.create(vec![describe(&experiment, fingerprint, origin)]).await?;
     let id = *ids.first().expect("the lineage numbers each experiment created");
@@ -104,6 +118,25 @@ pub async fn fork_at_rest(
     let data = json!({ "origin": fork.from.0, "after": fork.after, "differences": noted });
     lineage.event(Event { experiment: Some(id), kind: "fork".to_owned(), text, data }).await?;
     Ok(id)
+}
+
+/// Whether no run of an experiment goes on from its checkpoint, named by stage and generation. One that cannot be
+/// read is made again when the fork is taken up.
+async fn is_over(
+    lineage: &Lineage,
+    experiment: &Experiment,
+    checkpoints: &[(StageId, u32)],
+) -> Result<bool, ReadError> {
+    for (run, &(stage, generation)) in (1..).zip(checkpoints) {
+        let Some(checkpoint) = lineage.reader().checkpoint(stage, generation).await? else {
+            return Ok(false);
+        };
+        let Ok(mut search) = experiment.restore(run, &checkpoint) else { return Ok(false) };
+        if !tokio::task::block_in_place(|| search.ask()).is_empty() || search.choice().is_some() {
+            return Ok(false);
+        }
+    }
+    Ok(true)
 }
 
 /// The experiment, this one or one that it comes from, that holds a stage, and the stage's number.

@@ -142,16 +142,14 @@ impl Driver {
     /// One that has ended; a lineage that fails.
     pub async fn pause(&self, id: ExperimentId) -> Result<(), ControlError> {
         let stored = self.shared.lineage.reader().experiment(id).await?;
-        match stored.state {
-            State::Paused => return Ok(()),
-            State::Running | State::Awaiting => {}
-            ended => return Err(ControlError::Ended(id, ended)),
+        if !changes(&stored, State::Paused)? {
+            return Ok(());
         }
         let control = self.active().get(&id).map(|active| active.control.clone());
         if let Some(control) = control {
             control.pause().await;
         }
-        self.settle_state(id, State::Paused, "paused by hand").await?;
+        self.settle_state(id, State::Paused, by_hand(State::Paused)).await?;
         Ok(())
     }
 
@@ -161,16 +159,14 @@ impl Driver {
     /// One that has ended, or was begun by other physics; a lineage that fails.
     pub async fn resume(&self, id: ExperimentId) -> Result<(), ControlError> {
         let stored = self.shared.lineage.reader().experiment(id).await?;
-        match stored.state {
-            State::Running | State::Awaiting => return Ok(()),
-            State::Paused => {}
-            ended => return Err(ControlError::Ended(id, ended)),
+        if !changes(&stored, State::Running)? {
+            return Ok(());
         }
         if let Some(reason) = incompatible(&stored, &self.shared.fingerprint) {
             return Err(ControlError::Incompatible(id, reason));
         }
         let control = self.active().get(&id).map(|active| active.control.clone());
-        self.settle_state(id, State::Running, "").await?;
+        self.settle_state(id, State::Running, by_hand(State::Running)).await?;
         match control {
             Some(control) => control.resume().await,
             None => self.take_up(StoredExperiment { state: State::Running, ..stored }).await?,
@@ -183,10 +179,7 @@ impl Driver {
     /// # Errors
     /// One that has ended already; a lineage that fails.
     pub async fn cancel(&self, id: ExperimentId) -> Result<(), ControlError> {
-        let stored = self.shared.lineage.reader().experiment(id).await?;
-        if !stored.state.is_unfinished() {
-            return Err(ControlError::Ended(id, stored.state));
-        }
+        changes(&self.shared.lineage.reader().experiment(id).await?, State::Cancelled)?;
         let active = self.active().remove(&id);
         if let Some(active) = active {
             active.control.cancel().await;
@@ -196,7 +189,7 @@ impl Driver {
                 return Err(ControlError::Ended(id, state)); // meanwhile, by itself
             }
         }
-        self.settle_state(id, State::Cancelled, "cancelled by hand").await?;
+        self.settle_state(id, State::Cancelled, by_hand(State::Cancelled)).await?;
         Ok(())
     }
 
@@ -251,7 +244,7 @@ impl Driver {
         };
         let queue = self.shared.fleet.queue(stored.name.clone(), 1).await;
         let control = queue.0.control();
-        let progress = Arc::new(Progress::new(&experiment));
+        let progress = Arc::new(Progress::new(&experiment, self.evaluated(&stored).await));
         let (picks, made) = mpsc::unbounded_channel();
         // Its end takes it out again: it must be in by then.
         let mut active = self.active();
@@ -261,6 +254,16 @@ impl Driver {
         let conducting = tokio::spawn(conduct.instrument(span));
         active.insert(id, Active { name, control, progress, picks, conducting });
         Ok(())
+    }
+
+    /// How many of an experiment have an outcome on disk. For those who watch alone: without an answer it goes on
+    /// as well.
+    async fn evaluated(&self, stored: &StoredExperiment) -> u64 {
+        if stored.stages.is_empty() {
+            return 0;
+        }
+        let summaries = self.shared.lineage.reader().summaries(Some(&[stored.id])).await;
+        summaries.ok().and_then(|summaries| summaries.first().map(|of| of.evaluated)).unwrap_or(0)
     }
 
     /// Writes down how conducting ended. One that was paused meanwhile stays so if it waits for a pick.
@@ -293,6 +296,35 @@ impl Driver {
 
     fn active(&self) -> std::sync::MutexGuard<'_, BTreeMap<ExperimentId, Active>> {
         self.shared.active.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Pauses, resumes or cancels an experiment of a lineage in which nothing moves: it goes on, or not, when it is next
+/// taken up.
+///
+/// # Errors
+/// One that has ended; a lineage that fails.
+pub async fn control_at_rest(lineage: &Lineage, id: ExperimentId, to: State) -> Result<(), ControlError> {
+    if changes(&lineage.reader().experiment(id).await?, to)? {
+        lineage.set_state(id, to, by_hand(to).to_owned()).await?;
+    }
+    Ok(())
+}
+
+/// Whether an order changes anything. What waits for a pick need not be told to run.
+fn changes(stored: &StoredExperiment, to: State) -> Result<bool, ControlError> {
+    if !stored.state.is_unfinished() {
+        return Err(ControlError::Ended(stored.id, stored.state));
+    }
+    Ok(stored.state != to && (stored.state, to) != (State::Awaiting, State::Running))
+}
+
+/// Why an experiment has the state that somebody ordered.
+fn by_hand(to: State) -> &'static str {
+    match to {
+        State::Paused => "paused by hand",
+        State::Cancelled => "cancelled by hand",
+        _ => "",
     }
 }
 

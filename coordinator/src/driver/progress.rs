@@ -131,7 +131,7 @@ pub struct Progress {
 pub struct Counts {
     /// By run, from run 1.
     pub runs: Vec<RunProgress>,
-    /// Settled since the experiment was taken up, those of open generations on disk by then included.
+    /// Settled in all, those included that were on disk when the experiment was taken up.
     pub evaluated: u64,
     /// Individuals in all runs, when the search knows.
     pub planned: Option<u64>,
@@ -141,12 +141,13 @@ pub struct Counts {
 }
 
 impl Progress {
-    pub(super) fn new(experiment: &Experiment) -> Progress {
+    /// Of an experiment that is taken up with so many settled.
+    pub(super) fn new(experiment: &Experiment, evaluated: u64) -> Progress {
         let runs = vec![RunProgress::default(); experiment.runs as usize];
         Progress {
             state: Mutex::new(Counts {
                 runs,
-                evaluated: 0,
+                evaluated,
                 planned: experiment.planned(),
                 settled: 0,
                 since: None,
@@ -178,9 +179,9 @@ impl Progress {
         }
     }
 
-    pub(super) fn settled(&self, on_disk_or_inherited: usize, evaluated: usize) {
+    pub(super) fn settled(&self, inherited: usize, evaluated: usize) {
         let mut counts = self.lock();
-        counts.evaluated += (on_disk_or_inherited + evaluated) as u64;
+        counts.evaluated += (inherited + evaluated) as u64;
         if evaluated > 0 {
             counts.settled += evaluated as u64;
             counts.since.get_or_insert_with(Instant::now);

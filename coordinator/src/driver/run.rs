@@ -139,10 +139,11 @@ impl Conductor {
         });
         let inherits: Vec<_> = individuals.iter().map(|individual| individual.inherits).collect();
         let settled = known(&point.individuals);
+        let on_disk = settled.iter().flatten().count();
         let (generation, inherited) =
             Generation::new(point.generation, first.id, &inherits, settled, previous.as_ref());
         let run = self.run(number, stage.id, named, search, generation, point.culling);
-        self.begin(run, individuals, inherited).await
+        self.begin(run, individuals, inherited, on_disk).await
     }
 
     fn run(
@@ -302,21 +303,23 @@ impl Conductor {
         let none = vec![None; individuals.len()];
         let (generation, inherited) = Generation::new(generation, ids[0], &inherits, none, previous);
         let run = self.run(number, stage, named, search, generation, culling);
-        let run = self.begin(run, individuals, inherited).await?;
+        let run = self.begin(run, individuals, inherited, 0).await?;
         Ok(Step::Goes(Box::new(run)))
     }
 
-    /// Records what needs no evaluation and makes the others ready to be handed out.
+    /// Records what needs no evaluation and makes the others ready to be handed out. So many outcomes were on disk
+    /// before.
     async fn begin(
         &self,
         mut run: Run,
         individuals: Vec<search::Individual>,
         inherited: Vec<Inherited>,
+        on_disk: usize,
     ) -> Result<Run, ConductError> {
         run.inherited = individuals.iter().filter(|individual| individual.inherits.is_some()).count() as u32;
         self.driver.shared.lineage.record(inherited.into_iter().map(take_over).collect()).await?;
         let unsettled = run.generation.unsettled();
-        self.progress.settled(individuals.len() - unsettled.len(), 0);
+        self.progress.settled(individuals.len() - unsettled.len() - on_disk, 0);
         self.progress.generation(&run);
         let mut individuals: Vec<_> = individuals.into_iter().map(Some).collect();
         for index in unsettled {

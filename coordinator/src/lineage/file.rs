@@ -47,7 +47,7 @@ impl Lock {
             .truncate(false)
             .open(&path)
             .map_err(|error| refused(database, &error))?;
-        match file.try_lock() {
+        match lock(&file) {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 let mut holder = String::new();
@@ -67,7 +67,7 @@ impl Lock {
             opened => opened,
         };
         let itself = itself.map_err(|error| refused(database, &error))?;
-        match itself.try_lock() {
+        match lock(&itself) {
             // A file system without such locks has the one beside it all the same.
             Ok(()) | Err(TryLockError::Error(_)) => Ok(Lock { _beside: file, _database: itself }),
             Err(TryLockError::WouldBlock) => {
@@ -76,6 +76,28 @@ impl Lock {
             }
         }
     }
+}
+
+/// Locks a file. Who asks whether it is locked has it for a moment: that is waited for.
+fn lock(file: &File) -> Result<(), TryLockError> {
+    for _ in 0..5 {
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(10)),
+            other => return other,
+        }
+    }
+    file.try_lock()
+}
+
+/// Whether somebody has the right to write a lineage, and so is at work on it.
+///
+/// Not for a process that has the file open already: closing a file here ends all locks of SQLite on it.
+pub fn is_at_work(database: &Path) -> bool {
+    let named = std::fs::canonicalize(database).unwrap_or_else(|_| database.to_owned());
+    let is_locked = |path: &Path| {
+        File::open(path).is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
+    };
+    is_locked(&beside(&named, "-lock")) || is_locked(&named)
 }
 
 /// What stands at a path.

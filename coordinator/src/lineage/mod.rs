@@ -36,6 +36,7 @@ pub use entry::{
     State,
 };
 pub use error::{OpenError, QueryError, ReadError, WriteError};
+pub use file::is_at_work;
 pub use hash::ExperimentHash;
 pub use id::{ExperimentId, IndividualId, StageId};
 pub use individual::{AttemptLine, Link, Portrait};

@@ -4,7 +4,7 @@ mod refusal;
 mod render;
 mod watch;
 
-pub use refusal::{amend_status, fork_status, pick_status};
+pub use refusal::{amend_status, control_status, fork_status, pick_status};
 pub use render::render_summary;
 
 use std::collections::BTreeSet;
@@ -20,7 +20,7 @@ use tonic::{Request, Response, Status};
 use crate::driver::{Changed, Driver, Fork, Submission};
 use crate::lineage::{ExperimentId, IndividualId, Reader, State};
 use crate::service::lineage::status;
-use refusal::{control_status, submit_status};
+use refusal::submit_status;
 use render::{bring_up_to_date, render_choice};
 
 /// The `Experiments` service over a driver.

@@ -32,7 +32,7 @@ pub fn amend_status(error: AmendError) -> Status {
 pub fn fork_status(error: ForkError) -> Status {
     match error {
         ForkError::NoStage { .. } => Status::not_found(error.to_string()),
-        ForkError::NotEnded { .. } => Status::failed_precondition(error.to_string()),
+        ForkError::NotEnded { .. } | ForkError::Over { .. } => Status::failed_precondition(error.to_string()),
         ForkError::Problems(problems) => problems_status(&problems),
         ForkError::Amend(error) => amend_status(error),
         ForkError::Control(error) => control_status(error),
@@ -50,7 +50,8 @@ pub(super) fn submit_status(error: SubmitError) -> Status {
     }
 }
 
-pub(super) fn control_status(error: ControlError) -> Status {
+/// The status of an order that was refused.
+pub fn control_status(error: ControlError) -> Status {
     match error {
         ControlError::Ended(..) | ControlError::Incompatible(..) => {
             Status::failed_precondition(error.to_string())
