@@ -202,7 +202,7 @@ Examples:
   hatchery run experiments/grn-vs-neat.toml --profile smoke --db smoke.db
 
 If the lineage file holds the same experiment unfinished (the same file, profile and settings), it goes on \
-where it stood; so a killed run costs what was in flight and no more. Ctrl-C commits and says how to go on; \
+where it stood; so a killed run costs what was in flight and no more. One that is over is begun anew. Ctrl-C commits and says how to go on; \
 a second Ctrl-C ends at once. A run that waits for a pick ends with exit code 5 and says what to type.";
 
 /// `hatchery check`.
@@ -225,7 +225,8 @@ Examples:
   hatchery check experiments/crawler-grn.toml
   hatchery check experiments/crawler-grn.toml --resolved --set task.seconds=3
 
-Every problem is named with file, line and column; the exit code is then 2.";
+The file is read with each of its profiles, unless --profile chooses one. Every problem is named with file, line and \
+column; the exit code is then 2.";
 
 /// `hatchery submit`.
 #[derive(Debug, Args)]
