@@ -77,11 +77,12 @@ async fn a_scrape_says_what_the_lineage_says() {
     let (stop, stopped) = oneshot::channel::<()>();
     let working = tokio::spawn(worker::run(worker, async move { drop(stopped.await) }));
     let total = 6.0 * 12.0 * 4.0;
+    // What is committed counts at once, what waits and runs some milliseconds later.
     let done = until(address, |samples| {
         samples.get("hatchery_outcomes_committed_total").is_some_and(|&committed| committed >= total)
+            && (samples["hatchery_queue_depth"], samples["hatchery_in_flight"]) == (0.0, 0.0)
     });
     let done = done.await;
-    assert_eq!((done["hatchery_queue_depth"], done["hatchery_in_flight"]), (0.0, 0.0));
     assert_eq!(done["hatchery_workers{state=\"attached\"}"], 1.0);
     assert_eq!(done["hatchery_slots{state=\"idle\"}"], 2.0);
     let culled = done["hatchery_evaluations_total{outcome=\"culled\"}"];
