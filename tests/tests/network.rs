@@ -38,15 +38,13 @@ fn slow_thin_and_ragged_lines_cost_no_lease() {
     assert_eq!(lost(&hatchery, "%"), 0, "every line moved");
 }
 
+/// Two losses: a third one may set a genotype aside that was under evaluation in all of them.
 #[test]
-fn lines_that_stall_reset_and_fall_silent_end_leases_and_the_workers_come_back() {
+fn lines_that_stall_and_reset_end_leases_and_the_workers_come_back() {
     let text = probe(52, 60, 8, WORK);
     let mut hatchery = Hatchery::with_credentials();
     let relays = join(&mut hatchery);
-    let id = hatchery.submit(&text);
-    wait_for(&hatchery, "each worker has done something", |hatchery| {
-        hatchery.client().workers().iter().all(|worker| worker.completed > 0)
-    });
+    let id = begin(&hatchery, &text);
 
     // Longer than the timeout. The lines stay open, and lead on when they move again.
     relays.iter().for_each(Relay::stall);
@@ -56,26 +54,26 @@ fn lines_that_stall_reset_and_fall_silent_end_leases_and_the_workers_come_back()
     hatchery.wait_attached(3);
     hatchery.client().wait_until(id, |experiment| experiment.evaluated >= settled + 30);
 
-    let before = relays.each_ref().map(Relay::connections);
-    relays.iter().for_each(Relay::reset);
-    wait_for(&hatchery, "each worker has dialled again", |_| {
-        relays.iter().zip(before).all(|(relay, before)| relay.connections() > before)
-    });
-    hatchery.wait_attached(3);
-    hatchery.client().wait_until(id, |experiment| experiment.evaluated >= settled + 90);
-
-    // The coordinator hears nothing more, and says so; nobody mends that line.
-    relays.iter().for_each(|relay| relay.silence(Way::Up));
-    hatchery.wait_attached(0);
-    hatchery.wait_attached(3);
-
+    dial_again(&hatchery, &relays, Relay::reset);
     hatchery.client().wait(id);
     assert_eq!(hatchery.client().hash(id), local::lineage(&text));
     assert_shared(&hatchery);
     for reason in ["silent", "stream broke"] {
         assert!(lost(&hatchery, reason) > 0, "no lease ended with a worker that was lost: {reason}");
     }
-    assert_eq!(hatchery.client().count("SELECT count(*) FROM v_individuals WHERE status = 'failed'"), 0);
+}
+
+/// The coordinator hears nothing more, and says so; nobody mends that line.
+#[test]
+fn workers_that_are_not_heard_any_more_lose_their_leases_and_come_back() {
+    let text = probe(55, 60, 4, WORK);
+    let mut hatchery = Hatchery::with_credentials();
+    let relays = join(&mut hatchery);
+    let id = begin(&hatchery, &text);
+    dial_again(&hatchery, &relays, |relay| relay.silence(Way::Up));
+    hatchery.client().wait(id);
+    assert_eq!(hatchery.client().hash(id), local::lineage(&text));
+    assert!(lost(&hatchery, "silent") > 0, "no lease ended with a worker that was not heard");
 }
 
 /// It keeps telling that it is alive, and never learns what it is to do: both ends find out by HTTP/2's pings.
@@ -86,10 +84,7 @@ fn a_worker_that_hears_nothing_any_more_is_worked_around_and_comes_back() {
     hatchery.join("near");
     let relay = hatchery.join_through("deaf", FAR);
     hatchery.wait_attached(2);
-    let id = hatchery.submit(&text);
-    wait_for(&hatchery, "each worker has done something", |hatchery| {
-        hatchery.client().workers().iter().all(|worker| worker.completed > 0)
-    });
+    let id = begin(&hatchery, &text);
     let before = relay.connections();
     relay.silence(Way::Down);
     hatchery.client().wait(id);
@@ -111,6 +106,25 @@ fn join(hatchery: &mut Hatchery) -> [Relay; 3] {
     });
     hatchery.wait_attached(3);
     relays
+}
+
+/// Submits an experiment, and gives its number once each worker has done something.
+fn begin(hatchery: &Hatchery, text: &str) -> u64 {
+    let id = hatchery.submit(text);
+    wait_for(hatchery, "each worker has done something", |hatchery| {
+        hatchery.client().workers().iter().all(|worker| worker.completed > 0)
+    });
+    id
+}
+
+/// Lets something happen to every line, upon which each worker makes another and is attached.
+fn dial_again(hatchery: &Hatchery, relays: &[Relay], happens: impl Fn(&Relay)) {
+    let before: Vec<_> = relays.iter().map(Relay::connections).collect();
+    relays.iter().for_each(happens);
+    wait_for(hatchery, "each worker has dialled again", |_| {
+        relays.iter().zip(&before).all(|(relay, &before)| relay.connections() > before)
+    });
+    hatchery.wait_attached(3);
 }
 
 /// Each worker has outcomes in the lineage.
