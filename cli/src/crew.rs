@@ -110,7 +110,7 @@ async fn member(number: u16, roster: Arc<Roster>) {
     let mut wait = BACKOFF_MIN;
     loop {
         let born = Instant::now();
-        let end = match roster.spawn() {
+        let end = match roster.spawn(number) {
             Ok(child) => attend(child).await,
             Err(error) => format!("cannot be started: {error}"),
         };
@@ -168,11 +168,13 @@ fn is_log_wanted() -> bool {
 }
 
 impl Roster {
-    fn spawn(&self) -> std::io::Result<Child> {
+    /// Starts a member. Whoever follows one that died has its name, which tells the coordinator that it died.
+    fn spawn(&self, number: u16) -> std::io::Result<Child> {
         let mut command = Command::new(&self.program);
         command
             .arg0("hatchery")
             .args(&self.arguments)
+            .args(["--name", &format!("run-{}-{number}", std::process::id())])
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
             .stderr(Stdio::piped())

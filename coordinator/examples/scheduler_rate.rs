@@ -22,7 +22,7 @@ fn main() {
 
 /// Evaluations a second, with as many reports a round as one message of a worker would carry.
 fn rate(workers: u32, queues: usize) -> f64 {
-    let limits = Limits { heartbeat_ms: 1_000, timeout_ms: 5_000, overdue_ms: 900_000 };
+    let limits = Limits { heartbeat_ms: 1_000, timeout_ms: 5_000, overdue_ms: 900_000, parole_ms: 60_000 };
     let mut scheduler = Scheduler::new(limits, Millis(0));
     let ids: Vec<WorkerId> = (0..workers)
         .map(|number| {
@@ -31,6 +31,7 @@ fn rate(workers: u32, queues: usize) -> f64 {
             let hello = Hello {
                 name,
                 host,
+                incarnation: number as u64,
                 version,
                 slots: 2,
                 window: 128,

@@ -56,6 +56,9 @@ pub enum Change {
 
 /// An evaluation that runs for longer ends its worker's attachment: heartbeats do not show that it hangs.
 const OVERDUE_MS: u64 = 15 * 60_000;
+/// A process that was lost and lives is back within so many timeouts: it finds out for itself that its line is dead
+/// within 15 s, and dials again every 5 s.
+const PAROLE_TIMEOUTS: u64 = 12;
 /// Events that may wait for the loop; beyond that whoever brings one waits.
 const EVENTS_MAX: usize = 1024;
 /// Changes that a slow reader may be behind before it misses some.

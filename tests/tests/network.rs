@@ -38,9 +38,8 @@ fn slow_thin_and_ragged_lines_cost_no_lease() {
     assert_eq!(lost(&hatchery, "%"), 0, "every line moved");
 }
 
-/// Two losses: a third one may set a genotype aside that was under evaluation in all of them.
 #[test]
-fn lines_that_stall_and_reset_end_leases_and_the_workers_come_back() {
+fn lines_that_stall_reset_and_fall_silent_end_leases_and_the_workers_come_back() {
     let text = probe(52, 60, 8, WORK);
     let mut hatchery = Hatchery::with_credentials();
     let relays = join(&mut hatchery);
@@ -55,25 +54,16 @@ fn lines_that_stall_and_reset_end_leases_and_the_workers_come_back() {
     hatchery.client().wait_until(id, |experiment| experiment.evaluated >= settled + 30);
 
     dial_again(&hatchery, &relays, Relay::reset);
+    hatchery.client().wait_until(id, |experiment| experiment.evaluated >= settled + 90);
+
+    // The coordinator hears nothing more, and says so; nobody mends that line.
+    dial_again(&hatchery, &relays, |relay| relay.silence(Way::Up));
     hatchery.client().wait(id);
-    assert_eq!(hatchery.client().hash(id), local::lineage(&text));
+    assert_eq!(hatchery.client().hash(id), local::lineage(&text), "nobody was set aside");
     assert_shared(&hatchery);
     for reason in ["silent", "stream broke"] {
         assert!(lost(&hatchery, reason) > 0, "no lease ended with a worker that was lost: {reason}");
     }
-}
-
-/// The coordinator hears nothing more, and says so; nobody mends that line.
-#[test]
-fn workers_that_are_not_heard_any_more_lose_their_leases_and_come_back() {
-    let text = probe(55, 60, 4, WORK);
-    let mut hatchery = Hatchery::with_credentials();
-    let relays = join(&mut hatchery);
-    let id = begin(&hatchery, &text);
-    dial_again(&hatchery, &relays, |relay| relay.silence(Way::Up));
-    hatchery.client().wait(id);
-    assert_eq!(hatchery.client().hash(id), local::lineage(&text));
-    assert!(lost(&hatchery, "silent") > 0, "no lease ended with a worker that was not heard");
 }
 
 /// It keeps telling that it is alive, and never learns what it is to do: both ends find out by HTTP/2's pings.

@@ -5,6 +5,7 @@ use proto::dial::{Address, AddressError};
 use proto::hello::{LABEL_SIZE_MAX, LABELS_MAX, NAME_SIZE_MAX, SLOTS_MAX, is_label};
 use std::collections::BTreeMap;
 use std::fs;
+use std::hash::{BuildHasher, RandomState};
 use std::num::NonZeroUsize;
 use std::pin::Pin;
 use std::thread::available_parallelism;
@@ -39,6 +40,8 @@ pub struct Config {
     pub name: String,
     /// The machine, for those who look at the fleet.
     pub host: String,
+    /// Of this process, which is told from another one of its name by it.
+    pub incarnation: u64,
     /// Evaluations that run at once, each on a thread of its own; 1 to [`SLOTS_MAX`].
     pub slots: usize,
     /// The systems that this worker can evaluate.
@@ -108,6 +111,7 @@ impl Config {
             coordinator,
             name: format!("{host}-{}", std::process::id()),
             host,
+            incarnation: RandomState::new().hash_one(()), // random by its keys
             slots: available_parallelism().map_or(1, NonZeroUsize::get).min(SLOTS_MAX as usize),
             systems: creatures::system,
             fingerprint: creatures::fingerprint(),

@@ -203,6 +203,7 @@ async fn attach(config: &Config, slots: &Slots, lineage: &mut Bytes) -> Result<S
             lineage: lineage.clone(),
             holding: slots.holding().into_iter().map(Into::into).collect(),
             labels: config.labels.clone().into_iter().collect(),
+            incarnation: config.incarnation,
         };
         let (sender, receiver) = mpsc::channel(OUTGOING_MAX);
         sender.try_send(message(Outgoing::Hello(hello))).expect("a new channel has room for a message");

@@ -207,6 +207,7 @@ async fn restart(folder: &Path, file: &Path) -> anyhow::Result<f64> {
         lineage: Default::default(),
         holding: vec![],
         labels: Default::default(),
+        incarnation: 1,
     };
     let (say, said) = tokio::sync::mpsc::channel(1);
     say.send(v1::WorkerMessage { kind: Some(Outgoing::Hello(hello)) }).await?;

@@ -122,6 +122,7 @@ async fn live(
         lineage: Bytes::new(),
         holding: vec![],
         labels: Default::default(),
+        incarnation: number as u64,
     };
     say(&sender, Said::Hello(hello)).await?;
     let mut told = FleetClient::new(channel).attach(ReceiverStream::new(receiver)).await?.into_inner();

@@ -28,6 +28,11 @@ pub(super) fn words(summary: &Summary, refused: Option<&Refused>) -> String {
                 summary.disputed
             )
         }
+        (1.., _, _) if summary.condemned > 0 && summary.ready == 0 && summary.in_flight == 0 => format!(
+            "{} evaluations may have ended three workers each: they are set aside if none of those is back within twelve \
+             times the timeout",
+            summary.condemned
+        ),
         (1.., _, _) => String::new(),
         (0, 0, None) => {
             "no worker is attached: start one with `hatchery-worker --coordinator URL`".to_owned()
@@ -49,7 +54,9 @@ pub(super) fn notes(summary: &Summary, refused: Option<&Refused>) -> Vec<String>
         notes.push(obstacle);
     }
     match (summary.ready, summary.in_flight) {
-        (0, 0) if summary.slots > 0 => notes.push("nothing waits to be evaluated".to_owned()),
+        (0, 0) if summary.slots > 0 && summary.condemned == 0 => {
+            notes.push("nothing waits to be evaluated".to_owned())
+        }
         // Workers take what is ready at once; what stays belongs to queues that are paused.
         (ready @ 1.., 0) if summary.slots > 0 && ready > summary.disputed => {
             notes.push(format!("{ready} evaluations wait, of experiments that are paused"));
@@ -78,6 +85,10 @@ mod tests {
         assert!(words(&differing, None).contains("another one must decide"));
         assert_eq!(words(&Summary { ready: 4, ..differing }, None), "");
         assert_eq!(words(&Summary { slots: 1, workers: 1, ..none }, Some(&refused())), "");
+        let condemned = Summary { workers: 2, slots: 2, condemned: 1, ..none };
+        assert!(words(&condemned, None).contains("three workers each"));
+        assert_eq!(words(&Summary { in_flight: 1, ..condemned }, None), "");
+        assert_eq!(notes(&condemned, None), [words(&condemned, None)]);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use super::counts::Counts;
 use super::session::{Session, Unsent};
-use super::{Change, Clock, Delivery, Event, FleetSettings, Joined, OVERDUE_MS, Summary};
+use super::{Change, Clock, Delivery, Event, FleetSettings, Joined, OVERDUE_MS, PAROLE_TIMEOUTS, Summary};
 use crate::scheduler::{Hello, Limits, Loss, Millis, NameTaken, Order, QueueId, Scheduler, WorkerId};
 use bytes::Bytes;
 use proto::v1::{self, coordinator_message::Kind};
@@ -49,6 +49,7 @@ impl Rounds {
             heartbeat_ms: settings.heartbeat_ms.into(),
             timeout_ms: settings.timeout_ms.into(),
             overdue_ms: OVERDUE_MS,
+            parole_ms: PAROLE_TIMEOUTS * u64::from(settings.timeout_ms),
         };
         let now = clock.now();
         let mut scheduler = Scheduler::new(limits, now);
@@ -218,10 +219,12 @@ impl Rounds {
             return;
         }
         self.inspected = now;
-        self.scheduler.advance(now);
+        let pause_ms = self.scheduler.advance(now);
         let timeout = u64::from(self.settings.timeout_ms);
-        let is_stuck =
-            |session: &mut Session| session.stuck_since(now).is_some_and(|s| now.since(s) > timeout);
+        let is_stuck = |session: &mut Session| {
+            session.excuse(pause_ms, now);
+            session.stuck_since(now).is_some_and(|since| now.since(since) > timeout)
+        };
         let stuck: Vec<WorkerId> = self
             .sessions
             .iter_mut()

@@ -58,6 +58,11 @@ impl Session {
         (waiting > 0).then_some(self.taken.1)
     }
 
+    /// Nobody saw to the stream for a time, which is not held against it.
+    pub(super) fn excuse(&mut self, pause_ms: u64, now: Millis) {
+        self.taken.1.0 = (self.taken.1.0 + pause_ms).min(now.0);
+    }
+
     pub(super) fn send(&mut self, kind: v1::coordinator_message::Kind) -> Result<(), Unsent> {
         self.sent += 1;
         self.outbox.try_send(Ok(v1::CoordinatorMessage { kind: Some(kind) })).map_err(|error| match error {
@@ -230,6 +235,10 @@ mod tests {
         messages.try_recv().unwrap().unwrap();
         assert_eq!(session.stuck_since(Millis(5030)), Some(Millis(5030)), "it has taken one");
         assert_eq!(session.stuck_since(Millis(5040)), Some(Millis(5030)));
+        session.excuse(15, Millis(5050));
+        assert_eq!(session.stuck_since(Millis(5050)), Some(Millis(5045)), "nobody saw to it for a while");
+        session.excuse(15, Millis(5050));
+        assert_eq!(session.stuck_since(Millis(5050)), Some(Millis(5050)));
         messages.try_recv().unwrap().unwrap();
         assert_eq!(session.stuck_since(Millis(5050)), None);
     }

@@ -1,6 +1,7 @@
 //! Attendance: workers come, say that they live, leave, and fall silent. What becomes of their leases is settled
 //! elsewhere.
 
+use super::strikes::Strike;
 use super::worker::{Lease, Worker};
 use super::{AttemptId, Hello, Millis, Scheduler, WorkerId, WorkerInfo, WorkerState};
 
@@ -71,7 +72,7 @@ impl Scheduler {
         }
         let id = WorkerId(self.worker_next);
         self.worker_next += 1;
-        let holding = hello.holding.clone();
+        let (holding, incarnation) = (hello.holding.clone(), hello.incarnation);
         let mut worker = Worker::new(id, hello, now);
         worker.quarantined = self.quarantined.contains(&worker.name);
         if let Some(at) = self.gone.iter().position(|gone| gone.name == *worker.name)
@@ -82,6 +83,7 @@ impl Scheduler {
         }
         self.names.insert(worker.name.clone(), id);
         self.workers.insert(id, worker);
+        self.review(id, incarnation, now);
         for attempt in holding {
             self.restore(id, attempt, now);
         }
@@ -143,12 +145,12 @@ impl Scheduler {
                 self.give_back(&state.name, lease.attempt, now);
                 continue;
             }
-            let is_cause = match loss {
-                Loss::Overdue => lease.begun.is_some_and(|begun| now.since(begun) > self.limits.overdue_ms),
-                _ => loss.is_suspicious() && lease.begun.is_some(),
-            };
+            let strike = lease.begun.and_then(|begun| match loss {
+                Loss::Overdue => (now.since(begun) > self.limits.overdue_ms).then_some(Strike::Certain),
+                _ => loss.is_suspicious().then_some(Strike::Presumed(state.incarnation)),
+            });
             info.lost += 1;
-            self.void(lease.attempt, loss, is_cause, now);
+            self.void(lease.attempt, loss, strike, now);
         }
         if self.gone.len() == GONE_REMEMBERED {
             self.gone.pop_front();
@@ -159,13 +161,16 @@ impl Scheduler {
         lost
     }
 
-    /// Lets time pass: workers that were silent for too long, or run one evaluation for too long, are lost.
+    /// Lets time pass: workers that were silent for too long, or run one evaluation for too long, are lost, and
+    /// evaluations are set aside whose workers have not come back.
     ///
     /// Silence counts only while somebody listened: when this is called after a longer pause than a heartbeat
-    /// (the process was stopped, the machine slept), workers get the pause back.
-    pub fn advance(&mut self, now: Millis) {
+    /// (the process was stopped, the machine slept), both get the pause back. Gives that pause,
+    /// milliseconds.
+    pub fn advance(&mut self, now: Millis) -> u64 {
         let pause = now.since(self.advanced).saturating_sub(self.limits.heartbeat_ms);
         self.advanced = now;
+        self.condemned.values_mut().for_each(|since| since.0 = (since.0 + pause).min(now.0));
         let mut losses = Vec::new();
         for worker in self.workers.values_mut() {
             worker.heard.0 = (worker.heard.0 + pause).min(now.0);
@@ -180,6 +185,8 @@ impl Scheduler {
         for (worker, loss) in losses {
             self.dismiss(worker, loss, now);
         }
+        self.pass_sentence(now);
+        pause
     }
 
     /// Loses a worker on this side's account.

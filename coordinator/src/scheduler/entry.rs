@@ -3,6 +3,7 @@
 
 use super::audit::Opinion;
 use super::queue::Rank;
+use super::strikes::Strike;
 use super::{Evaluation, QueueId, WorkerId};
 use crate::lineage::{Attempt, Fate, Ruling};
 use std::sync::Arc;
@@ -36,7 +37,7 @@ pub(super) struct Tried {
     /// The worker has nothing else: what ends it has ended for this evaluation's sake.
     pub(super) alone: bool,
     /// Counts against the evaluation.
-    pub(super) strike: bool,
+    pub(super) strike: Option<Strike>,
     /// Its lease was lost, and comes back to life if the worker comes back with it.
     pub(super) restorable: bool,
     /// `None` while its lease lasts.
@@ -79,7 +80,7 @@ impl Entry {
             name,
             seat,
             alone,
-            strike: false,
+            strike: None,
             restorable: false,
             fate: None,
             ruling: None,
@@ -99,7 +100,12 @@ impl Entry {
     }
 
     pub(super) fn strikes(&self) -> usize {
-        self.attempts.iter().filter(|tried| tried.strike).count()
+        self.attempts.iter().filter(|tried| tried.strike.is_some()).count()
+    }
+
+    /// Whether nothing that is held against it is a presumption.
+    pub(super) fn is_convicted(&self) -> bool {
+        !self.attempts.iter().any(|tried| matches!(tried.strike, Some(Strike::Presumed(_))))
     }
 
     /// Whether it gets a worker for itself alone. One that a worker has lived through kills nobody.
@@ -114,12 +120,12 @@ impl Entry {
 
     /// Whether a worker of that name has a strike from it.
     pub(super) fn has_struck(&self, name: &str) -> bool {
-        self.attempts.iter().any(|tried| tried.strike && &*tried.name == name)
+        self.attempts.iter().any(|tried| tried.strike.is_some() && &*tried.name == name)
     }
 
     /// Why it is set aside, from its strikes.
     pub(super) fn account(&self) -> String {
-        let strikes = self.attempts.iter().filter(|tried| tried.strike).map(|tried| {
+        let strikes = self.attempts.iter().filter(|tried| tried.strike.is_some()).map(|tried| {
             let (Some(Fate::Lost(reason)) | Some(Fate::Failed(reason))) = &tried.fate else {
                 return tried.name.to_string();
             };
@@ -132,7 +138,7 @@ impl Entry {
 impl Tried {
     /// Opinions that wait for others are kept.
     fn can_be_forgotten(&self) -> bool {
-        !self.strike && self.fate.as_ref().is_some_and(|fate| *fate != Fate::Confirmed)
+        self.strike.is_none() && self.fate.as_ref().is_some_and(|fate| *fate != Fate::Confirmed)
     }
 
     /// As it goes into the lineage. `fate` is that of an attempt whose lease lasts.

@@ -5,6 +5,7 @@
 //! evaluation   the words: what is asked for, reported and given back
 //! queue        what is ready, and its fair share        worker   windows and leases of one worker
 //! entry        the attempts at one open evaluation      ruling   the culling rule, as it counts
+//! strikes      what is held against evaluations that may end their workers
 //! hand_out     ready evaluations to free workers, suspects alone, stragglers twice
 //! attendance   workers come, go, and fall silent
 //! settle       what becomes of an evaluation when a report comes or a worker goes
@@ -16,10 +17,13 @@
 //! still holds it, the lease is restored. The first outcome settles; what comes later changes nothing.
 //!
 //! **Strikes.** A worker that goes down gives a strike to what it may have been running then: the first
-//! `slots` of its leases, since a worker works in order. Strikes are taken back when the worker comes back
-//! with the evaluation: it did not kill it. Neighbours get strikes too, so two of them only make a suspect:
-//! it gets a worker for itself alone, and the third strike falls only there, where no neighbour can have been
-//! the cause. A failure that a worker lived to report is a strike as well, and is certain at once.
+//! `slots` of its leases, since a worker works in order. Neighbours get strikes too, so two of them only make a
+//! suspect: it gets a worker for itself alone, and the third strike falls only there, where no neighbour can have
+//! been the cause. A failure that a worker lived to report is a strike as well.
+//!
+//! A process that is not heard of may be alive behind a line that is dead. Its strike is a presumption until
+//! another process comes under its name, and is taken back when it comes itself. With the third strike an evaluation
+//! is set aside at once if all are certain; else it waits for as long as a process may take to come back.
 
 mod attendance;
 mod audit;
@@ -29,6 +33,7 @@ mod hand_out;
 mod queue;
 mod ruling;
 mod settle;
+mod strikes;
 mod worker;
 
 pub use attendance::{Loss, NameTaken};
@@ -44,6 +49,7 @@ use queue::Queue;
 use settle::Remembered;
 use std::collections::{BTreeMap, BTreeSet, VecDeque, btree_map};
 use std::sync::Arc;
+use strikes::Presumptions;
 use worker::{Load, Worker};
 
 /// A time: milliseconds from any fixed instant.
@@ -67,6 +73,8 @@ pub struct Limits {
     /// An evaluation that runs for so long ends the attachment of its worker: it hangs, and heartbeats do
     /// not show it.
     pub overdue_ms: u64,
+    /// Whoever was lost and lives is back within this time.
+    pub parole_ms: u64,
 }
 
 /// What the scheduler wants done.
@@ -118,6 +126,8 @@ pub struct Summary {
     pub ready: u64,
     /// Those of them on which workers differ, and which another one must decide.
     pub disputed: u64,
+    /// Evaluations that are about to be set aside, unless one of the workers that were lost with them is back.
+    pub condemned: u64,
 }
 
 /// The state of everything that is under evaluation.
@@ -137,6 +147,9 @@ pub struct Scheduler {
     pass: u128,
     /// Suspects to be handed out, and the worker that is being emptied for each.
     suspects: BTreeMap<u64, Option<WorkerId>>,
+    /// Evaluations with three strikes, not all of them certain, and since when.
+    condemned: BTreeMap<u64, Millis>,
+    presumptions: Presumptions,
     /// Evaluations that wait for another opinion.
     awaiting: Awaiting,
     /// When two workers were last there to take evaluations.
@@ -172,6 +185,8 @@ impl Scheduler {
             runnable: BTreeSet::new(),
             pass: 0,
             suspects: BTreeMap::new(),
+            condemned: BTreeMap::new(),
+            presumptions: Presumptions::default(),
             awaiting: Awaiting::default(),
             company: now,
             quarantined: BTreeSet::new(),
@@ -286,6 +301,7 @@ impl Scheduler {
             slots: taking.map(Worker::slots).sum(),
             in_flight: self.workers.values().map(|worker| worker.lease_count() as u64).sum(),
             disputed: self.awaiting.disputed() as u64,
+            condemned: self.condemned.len() as u64,
             ready: (self.suspects.len() + self.awaiting.len()) as u64
                 + self.queues.values().map(|queue| queue.ready.len() as u64).sum::<u64>(),
         }

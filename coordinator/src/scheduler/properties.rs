@@ -1,7 +1,7 @@
 //! What stays true whatever happens: random sequences of operations, held after each against the rig's
 //! invariants, and brought to an end at which everything is settled once.
 
-use super::rig::{HEARTBEAT, Op, Rig, TIMEOUT};
+use super::rig::{HEARTBEAT, Op, PAROLE, Rig, TIMEOUT};
 use creatures::random::stream;
 use proptest::prelude::*;
 
@@ -16,6 +16,7 @@ fn op() -> impl Strategy<Value = Op> {
     prop_oneof![
         2 => (name(), 1..4u32, 1..6u32).prop_map(|(name, slots, window)| Op::JoinWith(name, slots, window)),
         3 => name().prop_map(Op::Back),
+        1 => name().prop_map(Op::Return),
         4 => (0..QUEUES, 1..8u32).prop_map(|(queue, count)| Op::Submit(queue, count)),
         1 => (0..QUEUES).prop_map(Op::Pause),
         2 => (0..QUEUES).prop_map(Op::Resume),
@@ -31,6 +32,7 @@ fn op() -> impl Strategy<Value = Op> {
         1 => name().prop_map(Op::DrainIdle),
         4 => (1..3 * HEARTBEAT).prop_map(Op::Advance),
         1 => (1..3 * TIMEOUT).prop_map(Op::Jump),
+        1 => Just(Op::Advance(PAROLE + HEARTBEAT)),
     ]
 }
 
@@ -68,12 +70,24 @@ proptest! {
         prop_assert_eq!(rig.scheduler.summary().workers, 0);
     }
 
-    /// Without deaths and failures nobody is set aside, however streams break and reports are repeated.
+    /// Without deaths and failures nobody is set aside, however often lines break and fall silent, if each process
+    /// comes back before the parole is over, with what it holds or without.
     #[test]
-    fn the_innocent_are_never_set_aside(ops in prop::collection::vec(op(), 1..250)) {
-        let harmless = |op: &Op| !matches!(op, Op::Fail(..) | Op::Lose(_) | Op::Silence(_));
-        let ops: Vec<_> = ops.into_iter().filter(harmless).collect();
-        let rig = rig().run(&ops).finish();
+    fn the_innocent_are_never_set_aside(
+        ops in prop::collection::vec(op().prop_filter("fails", |op| !matches!(op, Op::Fail(..))), 1..250),
+        holding in any::<bool>(),
+    ) {
+        let mut rig = rig().run(&NAMES.map(|name| Op::JoinWith(name, 1 + u32::from(name) % 3, 4)));
+        for op in ops {
+            if matches!(op, Op::JoinWith(..) | Op::Leave(_) | Op::Drain(_) | Op::DrainIdle(_)) {
+                continue; // these end processes
+            }
+            if matches!(op, Op::Advance(_) | Op::Jump(_)) {
+                rig = rig.run(&NAMES.map(|name| if holding { Op::Back(name) } else { Op::Return(name) }));
+            }
+            rig.apply(&op);
+        }
+        let rig = rig.run(&NAMES.map(Op::Return)).finish();
         prop_assert!(rig.settled.values().all(|settled| settled.result.is_ok()));
         prop_assert!(rig.conflicts.is_empty());
     }
@@ -104,5 +118,6 @@ fn a_long_life_leaves_nothing_behind() {
     assert!(rig.settled.len() > 5_000, "only {} were settled", rig.settled.len());
     assert!(rig.events > 25_000);
     assert!(rig.scheduler.evaluations.is_empty() && rig.scheduler.suspects.is_empty());
+    assert!(rig.scheduler.condemned.is_empty() && rig.scheduler.presumptions.is_empty());
     assert!(rig.scheduler.remembered.len() <= 1024 && rig.scheduler.workers().len() <= 6);
 }

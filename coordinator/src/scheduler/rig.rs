@@ -10,17 +10,20 @@ use std::collections::BTreeMap;
 pub(super) const HEARTBEAT: u64 = 100;
 pub(super) const TIMEOUT: u64 = 500;
 pub(super) const OVERDUE: u64 = 60_000;
+pub(super) const PAROLE: u64 = 2_000;
 
 /// One thing that happens. Workers are named by letters, evaluations by numbers in order of submission from
 /// 0, queues by numbers in order of opening from 0.
 #[derive(Debug, Clone)]
 pub(super) enum Op {
-    /// A worker of one slot that takes two evaluations attaches.
+    /// A worker of one slot that takes two evaluations attaches: another process than before under that name.
     Join(char),
-    /// A worker of so many slots and such a window attaches.
+    /// The same with so many slots and such a window.
     JoinWith(char, u32, u32),
     /// A lost worker comes back and still holds what it ran.
     Back(char),
+    /// A lost worker comes back, the same process, and holds nothing any more.
+    Return(char),
     /// Opens a queue of a weight.
     Open(u32),
     /// Submits so many evaluations to a queue.
@@ -66,6 +69,7 @@ pub(super) enum Op {
 #[derive(Debug, Default)]
 struct Hand {
     id: Option<WorkerId>,
+    incarnation: u64,
     slots: u32,
     window: u32,
     held: Vec<AttemptId>,
@@ -109,7 +113,8 @@ impl Rig {
     /// A rig with one queue.
     pub(super) fn new() -> Rig {
         let now = Millis(1_000);
-        let limits = Limits { heartbeat_ms: HEARTBEAT, timeout_ms: TIMEOUT, overdue_ms: OVERDUE };
+        let limits =
+            Limits { heartbeat_ms: HEARTBEAT, timeout_ms: TIMEOUT, overdue_ms: OVERDUE, parole_ms: PAROLE };
         let mut scheduler = Scheduler::new(limits, now);
         let queues = vec![scheduler.open(1)];
         Rig {
@@ -140,11 +145,13 @@ impl Rig {
     pub(super) fn apply(&mut self, op: &Op) {
         self.events += 1;
         match *op {
-            Op::Join(name) => self.attach(name, 1, 2, vec![]),
-            Op::JoinWith(name, slots, window) => self.attach(name, slots, window, vec![]),
-            Op::Back(name) => {
-                if let Some(hand) = self.hands.get(&name).filter(|hand| hand.id.is_none()) {
-                    self.attach(name, hand.slots, hand.window, hand.held.clone());
+            Op::Join(name) => self.join(name, 1, 2),
+            Op::JoinWith(name, slots, window) => self.join(name, slots, window),
+            Op::Back(name) => self.attach(name),
+            Op::Return(name) => {
+                if let Some(hand) = self.hands.get_mut(&name).filter(|hand| hand.id.is_none()) {
+                    hand.held.clear();
+                    self.attach(name);
                 }
             }
             Op::Open(weight) => self.queues.push(self.scheduler.open(weight)),
@@ -273,21 +280,32 @@ impl Rig {
         self.scheduler.submit(self.queues[queue], evaluations);
     }
 
-    fn attach(&mut self, name: char, slots: u32, window: u32, holding: Vec<AttemptId>) {
-        if self.hands.get(&name).is_some_and(|hand| hand.id.is_some()) {
-            return;
-        }
+    /// Another process of that name, unless one is attached.
+    fn join(&mut self, name: char, slots: u32, window: u32) {
+        let incarnation = match self.hands.get(&name) {
+            Some(Hand { id: Some(_), .. }) => return,
+            Some(hand) => hand.incarnation + 1,
+            None => 1,
+        };
+        self.hands.insert(name, Hand { incarnation, slots, window, ..Hand::default() });
+        self.attach(name);
+    }
+
+    /// The process attaches, unless it is attached or there is none.
+    fn attach(&mut self, name: char) {
+        let Some(hand) = self.hands.get_mut(&name).filter(|hand| hand.id.is_none()) else { return };
         let hello = Hello {
             name: name.to_string(),
             host: "here".to_owned(),
+            incarnation: hand.incarnation,
             version: "1".to_owned(),
-            slots,
-            window,
-            holding: holding.clone(),
+            slots: hand.slots,
+            window: hand.window,
+            holding: hand.held.clone(),
             labels: BTreeMap::new(),
         };
         let id = self.scheduler.attach(hello, self.now).expect("the rig attaches nobody twice");
-        self.hands.insert(name, Hand { id: Some(id), slots, window, held: holding, ..Hand::default() });
+        (hand.id, hand.last, hand.silent) = (Some(id), None, false);
     }
 
     fn first(&self, name: char) -> Option<AttemptId> {
@@ -378,13 +396,15 @@ impl Rig {
             let is_ready = state.queues[&entry.queue].ready.contains(&entry.rank());
             let is_awaiting = state.suspects.contains_key(id);
             let is_audited = state.awaiting.holds(entry);
-            let places = [is_ready, is_awaiting, is_audited, !out.is_empty()];
+            let is_condemned = state.condemned.contains_key(id);
+            let places = [is_ready, is_awaiting, is_audited, is_condemned, !out.is_empty()];
             let count = places.into_iter().filter(|&stands| stands).count();
-            assert_eq!(count, 1, "{id}: ready, suspect, awaiting an opinion, out: {places:?}");
+            assert_eq!(count, 1, "{id}: ready, suspect, awaiting an opinion, condemned, out: {places:?}");
             assert!(is_audited || out.iter().all(|tried| !entry.has_opined(&tried.name)));
             let honest = |opinion: &audit::Opinion| !state.quarantined.contains(&opinion.worker);
             assert!(entry.opinions.iter().all(honest), "the word of a liar counts");
-            assert!(entry.strikes() < entry::STRIKES_MAX);
+            assert!(entry.strikes() < entry::STRIKES_MAX || !entry.is_convicted());
+            assert_eq!(is_awaiting, out.is_empty() && entry.is_suspect() && !is_condemned);
             assert!(entry.attempts.len() <= ATTEMPTS_KEPT);
         }
         for (id, worker) in &state.workers {
@@ -425,6 +445,7 @@ impl Rig {
         }
         self.apply(&Op::JoinWith('Y', 2, 4));
         self.apply(&Op::JoinWith('Z', 1, 2));
+        self.apply(&Op::Advance(PAROLE + HEARTBEAT));
         let limit = 4 * self.open.len() + 16;
         for _ in 0..limit {
             self.apply(&Op::ReportFirst('Y'));

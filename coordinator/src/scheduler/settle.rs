@@ -3,6 +3,7 @@
 
 use super::entry::STRIKES_MAX;
 use super::hand_out::OUTSTANDING_MAX;
+use super::strikes::Strike;
 use super::{
     AttemptId, Conflict, Entry, Loss, Millis, News, QueueId, Report, Scheduler, Settled, WorkerId, ruling,
 };
@@ -113,7 +114,7 @@ impl Scheduler {
             return;
         }
         let (worker, seat) = (tried.worker, tried.seat);
-        tried.strike = true;
+        tried.strike = Some(Strike::Certain);
         tried.fate = Some(Fate::Failed(reason.clone()));
         self.release(worker, seat, evaluation, now);
         if lasting {
@@ -123,8 +124,8 @@ impl Scheduler {
         }
     }
 
-    /// Ends an attempt whose worker is gone already.
-    pub(super) fn void(&mut self, attempt: AttemptId, loss: Loss, is_cause: bool, now: Millis) {
+    /// Ends an attempt whose worker is gone already, and holds that against its evaluation if `strike` says so.
+    pub(super) fn void(&mut self, attempt: AttemptId, loss: Loss, strike: Option<Strike>, now: Millis) {
         let entry = self.evaluations.get_mut(&attempt.evaluation).expect("what is leased is open");
         let is_suspect = entry.is_suspect();
         let tried = entry.attempts.iter_mut().find(|tried| tried.number == attempt.number);
@@ -132,7 +133,10 @@ impl Scheduler {
         tried.fate = Some(Fate::Lost(loss.word().to_owned()));
         tried.restorable = loss != Loss::Overdue;
         // The last strike of a suspect falls only where no neighbour can have been the cause.
-        tried.strike = is_cause && (!is_suspect || tried.alone || loss == Loss::Overdue);
+        tried.strike = strike.filter(|_| !is_suspect || tried.alone || loss == Loss::Overdue);
+        if let Some(Strike::Presumed(_)) = tried.strike {
+            self.presumptions.add(&tried.name, attempt.evaluation);
+        }
         self.retry(attempt.evaluation, now);
     }
 
@@ -170,8 +174,8 @@ impl Scheduler {
         self.withdraw(attempt.evaluation);
         let entry = self.evaluations.get_mut(&attempt.evaluation).expect("it was found above");
         let tried = &mut entry.attempts[at];
-        // It did not end its worker after all. Nor has it this one for itself.
-        (tried.strike, tried.restorable, tried.alone) = (false, false, false);
+        // It has this worker not for itself.
+        (tried.restorable, tried.alone) = (false, false);
         (tried.fate, tried.worker, tried.seat) = (None, worker, seat);
     }
 
@@ -181,10 +185,13 @@ impl Scheduler {
         if entry.strikes() >= STRIKES_MAX {
             if let [_] = entry.opinions[..] {
                 // A worker has lived through it, and nobody else does.
-                return self.conclude(evaluation, 0, Audited::Skipped, now);
+                self.conclude(evaluation, 0, Audited::Skipped, now);
+            } else if entry.is_convicted() {
+                let reason = entry.account();
+                self.set_aside(evaluation, reason, now);
+            } else if entry.outstanding().next().is_none() {
+                self.condemned.insert(evaluation, now);
             }
-            let reason = entry.account();
-            self.set_aside(evaluation, reason, now);
         } else if entry.outstanding().next().is_none() {
             let queue = entry.queue;
             if !entry.opinions.is_empty() {
@@ -200,7 +207,7 @@ impl Scheduler {
     }
 
     /// Settles an evaluation without an outcome.
-    fn set_aside(&mut self, evaluation: u64, reason: String, now: Millis) {
+    pub(super) fn set_aside(&mut self, evaluation: u64, reason: String, now: Millis) {
         let ruling = self.evaluations[&evaluation].attempts.iter().find_map(|tried| tried.ruling);
         self.settle(evaluation, Err(SetAside { reason }), ruling, None, now);
     }
@@ -235,6 +242,7 @@ impl Scheduler {
     /// Forgets an evaluation that waits no more, and revokes its leases.
     fn close(&mut self, evaluation: u64, now: Millis) -> Entry {
         let entry = self.evaluations.remove(&evaluation).expect("the caller has found it open");
+        self.presumptions.forget(evaluation, &entry);
         for tried in entry.outstanding() {
             self.release(tried.worker, tried.seat, evaluation, now);
             self.revoke(tried.worker, AttemptId { evaluation, number: tried.number });
@@ -269,7 +277,10 @@ impl Scheduler {
         }
         let Some(entry) = self.evaluations.get(&evaluation) else { return };
         // Most evaluations are settled while leased, and stand in no queue.
-        if entry.outstanding().next().is_some() || self.awaiting.remove(entry) {
+        if entry.outstanding().next().is_some()
+            || self.condemned.remove(&evaluation).is_some()
+            || self.awaiting.remove(entry)
+        {
             return;
         }
         if let Some(queue) = self.queues.get_mut(&entry.queue)

@@ -1,7 +1,7 @@
 //! How a genotype that kills its workers is told from its neighbours, and what becomes of it.
 
 use super::rig::Op::*;
-use super::rig::{HEARTBEAT, Rig, outcome};
+use super::rig::{HEARTBEAT, PAROLE, Rig, outcome};
 use super::tests::{A, B, C, D, fate, fates};
 
 #[test]
@@ -14,8 +14,10 @@ fn a_genotype_that_kills_three_workers_is_set_aside() {
         Lose(B),
         Join(C),
         Holds(C, &[0]),
-        SetAside(&[]),
         Lose(C),
+        Advance(PAROLE),
+        SetAside(&[]),
+        Advance(HEARTBEAT),
         SetAside(&[0]),
     ]);
     let reason = &rig.settled[&0].result.as_ref().unwrap_err().reason;
@@ -35,9 +37,10 @@ fn the_neighbours_of_a_genotype_that_kills_are_not_set_aside() {
         JoinWith(C, 2, 2),
         Holds(C, &[0]),
         Lose(C),
-        SetAside(&[0]),
         Join(D),
         Holds(D, &[1]),
+        Advance(PAROLE + HEARTBEAT),
+        SetAside(&[0]),
         Report(D, 1),
         Settled(&[0, 1]),
         SetAside(&[0]),
@@ -84,6 +87,7 @@ fn what_had_not_begun_is_not_suspected() {
         Holds(D, &[1, 2]),
         Report(D, 1),
         Report(D, 2),
+        Advance(PAROLE + HEARTBEAT),
         SetAside(&[0]),
     ]);
     // 1 waited behind 0 on A and B, and began nowhere but on D.
@@ -159,11 +163,66 @@ fn the_third_strike_falls_only_on_a_worker_of_its_own() {
         Holds(A, &[0]),
         Lose(C),
         Lose(A),
-        SetAside(&[]),
         Join(D),
         Holds(D, &[0]),
         Lose(D),
+        Holds(D, &[0]),
+        Advance(PAROLE + HEARTBEAT),
         SetAside(&[0]),
+    ]);
+}
+
+#[test]
+fn once_others_stand_in_the_place_of_those_that_ended_it_is_certain() {
+    Rig::new().run(&[
+        Submit(0, 1),
+        Join(A),
+        Lose(A),
+        Join(B),
+        Lose(B),
+        Join(C),
+        Lose(C),
+        Join(A),
+        Join(B),
+        SetAside(&[]),
+        Join(C),
+        SetAside(&[0]),
+    ]);
+}
+
+#[test]
+fn a_process_that_comes_back_was_not_ended_by_what_it_holds_no_more() {
+    let once = [Lose(A), Return(A), Holds(A, &[0])];
+    let rig = Rig::new().run(&[Join(A), Submit(0, 1)]).run(&once).run(&once).run(&once).run(&once);
+    rig.run(&[SetAside(&[]), Report(A, 0), Settled(&[0])]);
+}
+
+#[test]
+fn whoever_comes_back_in_time_clears_what_was_about_to_be_set_aside() {
+    let lost = [Submit(0, 1), Join(A), Lose(A), Join(B), Lose(B), Join(C), Lose(C), Advance(PAROLE / 2)];
+    Rig::new().run(&lost).run(&[Return(B), Holds(B, &[0]), Report(B, 0), Settled(&[0]), SetAside(&[])]);
+    Rig::new().run(&lost).run(&[Back(B), Holds(B, &[0]), Report(B, 0), Settled(&[0]), SetAside(&[])]);
+    let rig = Rig::new().run(&lost).run(&[Jump(100 * PAROLE), SetAside(&[]), Return(B), Holds(B, &[0])]);
+    assert_eq!(rig.scheduler.summary().condemned, 0, "nobody could come back while nobody listened");
+}
+
+#[test]
+fn a_late_outcome_acquits() {
+    Rig::new().run(&[
+        Submit(0, 1),
+        Join(A),
+        Lose(A),
+        Join(B),
+        Lose(B),
+        Join(C),
+        Silence(C),
+        Jump(1),
+        Advance(PAROLE),
+        SetAside(&[]),
+        Back(C),
+        Report(C, 0),
+        Settled(&[0]),
+        SetAside(&[]),
     ]);
 }
 

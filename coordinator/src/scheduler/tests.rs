@@ -353,6 +353,7 @@ fn a_name_is_taken_while_its_worker_is_alive() {
     let hello = Hello {
         name: "A".to_owned(),
         host: "there".to_owned(),
+        incarnation: 2,
         version: "1".to_owned(),
         slots: 1,
         window: 2,

@@ -16,6 +16,8 @@ pub struct Hello {
     pub name: String,
     /// Its machine.
     pub host: String,
+    /// Of its process: another process has another one.
+    pub incarnation: u64,
     /// Of its program.
     pub version: String,
     /// What it runs at once; at least 1.
@@ -101,6 +103,7 @@ pub(super) struct Lease {
 pub(super) struct Worker {
     pub(super) id: WorkerId,
     pub(super) name: Arc<str>,
+    pub(super) incarnation: u64,
     host: String,
     version: String,
     labels: BTreeMap<String, String>,
@@ -142,6 +145,7 @@ impl Worker {
         Worker {
             id,
             name: hello.name.into(),
+            incarnation: hello.incarnation,
             host: hello.host,
             version: hello.version,
             labels: hello.labels,

@@ -142,6 +142,7 @@ impl FleetService {
         Ok(Hello {
             name: hello.name,
             host: hello.host,
+            incarnation: hello.incarnation,
             version: hello.version,
             slots: hello.slots,
             window: hello.window,

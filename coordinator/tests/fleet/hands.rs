@@ -65,6 +65,7 @@ pub(crate) fn hello(name: &str, slots: u32, window: u32) -> v1::Hello {
         lineage: Bytes::new(),
         holding: vec![],
         labels: Default::default(),
+        incarnation: 1,
     }
 }
 

@@ -9,6 +9,7 @@ use proto::dial::Address;
 use std::error::Error;
 use std::fmt::Write as _;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use tokio::sync::Notify;
@@ -26,6 +27,8 @@ const PATIENCE: Duration = Duration::from_secs(120);
 const STRETCH: Duration = Duration::from_millis(400);
 const COORDINATOR: &str = "coordinator";
 const FINGERPRINT: [u8; 32] = [7; 32];
+/// Each process of a worker has another one.
+static INCARNATIONS: AtomicU64 = AtomicU64::new(1);
 
 /// Why a seed fails, and what had happened until then.
 #[derive(Debug)]
@@ -196,6 +199,7 @@ async fn worker_host(index: usize, slots: usize, drain: Arc<Notify>) -> turmoil:
             coordinator: Address::plain(&format!("http://{COORDINATOR}:{}", wire::PORT))?,
             name: worker(index),
             host: "simulated".to_owned(),
+            incarnation: INCARNATIONS.fetch_add(1, Ordering::Relaxed),
             slots,
             systems: creatures::system,
             fingerprint: FINGERPRINT,
