@@ -28,7 +28,14 @@ pub struct Config {
     /// Silence after which a worker's leases end, milliseconds
     #[arg(long, value_name = "MS", default_value_t = 5000, value_parser = clap::value_parser!(u32).range(30..=600_000))]
     pub timeout_ms: u32,
+    /// Time after which an evaluation that still runs counts as hung, seconds: its worker is told to end, and the
+    /// evaluation is tried elsewhere, three times at most
+    #[arg(long, value_name = "S", default_value_t = OVERDUE_S, value_parser = clap::value_parser!(u32).range(1..=604_800))]
+    pub overdue_s: u32,
 }
+
+/// A quarter of an hour: thousands of times what any published system takes.
+const OVERDUE_S: u32 = 900;
 
 impl Config {
     /// A coordinator on a free loopback port, with the defaults: what `hatchery run` embeds.
@@ -41,6 +48,7 @@ impl Config {
             metrics: None,
             heartbeat_ms: 1000,
             timeout_ms: 5000,
+            overdue_s: OVERDUE_S,
         }
     }
 }

@@ -28,6 +28,8 @@ pub struct FleetSettings {
     pub heartbeat_ms: u32,
     /// Silence that ends a worker's leases, milliseconds.
     pub timeout_ms: u32,
+    /// An evaluation that runs for longer hangs, and ends its worker, whose heartbeats do not show it. Seconds.
+    pub overdue_s: u32,
     /// Of this program: workers of another version are refused.
     pub version: String,
     /// Of this program's physics on this machine: workers that compute other bits are refused.
@@ -54,11 +56,9 @@ pub enum Change {
     Quarantined(Quarantine),
 }
 
-/// An evaluation that runs for longer ends its worker's attachment: heartbeats do not show that it hangs.
-const OVERDUE_MS: u64 = 15 * 60_000;
-/// A process that was lost and lives is back within so many timeouts: it finds out for itself that its line is dead
-/// within 15 s, and dials again every 5 s.
-const PAROLE_TIMEOUTS: u64 = 12;
+/// A process that was lost and lives is back within this time: it finds out for itself that its line is dead within
+/// 15 s, dials for up to 10 s, and waits for up to 5 s between tries.
+pub(crate) const PAROLE_MS: u64 = 60_000;
 /// Events that may wait for the loop; beyond that whoever brings one waits.
 const EVENTS_MAX: usize = 1024;
 /// Changes that a slow reader may be behind before it misses some.

@@ -113,6 +113,7 @@ pub async fn start(config: Config) -> Result<Running, StartError> {
     let fleet = Fleet::start(FleetSettings {
         heartbeat_ms,
         timeout_ms,
+        overdue_s: config.overdue_s,
         version: env!("CARGO_PKG_VERSION").to_owned(),
         fingerprint,
         lineage: lineage.identity(),

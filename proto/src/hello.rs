@@ -4,6 +4,8 @@
 pub const SLOTS_MAX: u32 = 4096;
 /// The most evaluations that a worker may take at once, running ones included.
 pub const WINDOW_MAX: u32 = 65_536;
+/// The most attempts that a worker may hold, or give back at once.
+pub const HOLDING_MAX: usize = (WINDOW_MAX + SLOTS_MAX) as usize;
 /// The longest name of a worker or a host, bytes.
 pub const NAME_SIZE_MAX: usize = 128;
 /// The longest version, bytes.

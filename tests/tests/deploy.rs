@@ -22,7 +22,7 @@ fn slurm(hatchery: &Hatchery, task: u32) -> Process {
 fn a_slurm_job_whose_time_is_up_delivers_what_it_runs_and_ends_well() {
     let text = walkers("crawler", "grn", 31, 30, 3);
     let hatchery = Hatchery::new();
-    let (mut first, _second) = (slurm(&hatchery, 1), slurm(&hatchery, 2));
+    let (mut first, mut second) = (slurm(&hatchery, 1), slurm(&hatchery, 2));
     hatchery.wait_attached(2);
     let id = hatchery.submit(&text);
     hatchery.client().wait_until(id, |e| e.evaluated >= 5);
@@ -33,6 +33,8 @@ fn a_slurm_job_whose_time_is_up_delivers_what_it_runs_and_ends_well() {
     let thrown_away =
         "SELECT count(*) FROM v_evaluations WHERE fate LIKE 'lost%' AND fate <> 'lost:returned'";
     assert_eq!(hatchery.client().count(thrown_away), 0, "what ran was delivered");
+    second.signal(Signal::TERM);
+    assert_eq!(second.wait(Duration::from_secs(20)).code(), Some(0), "{}", second.log());
 }
 
 #[test]

@@ -40,7 +40,7 @@ pub struct Config {
     pub name: String,
     /// The machine, for those who look at the fleet.
     pub host: String,
-    /// Of this process, which is told from another one of its name by it.
+    /// Drawn at random when the process starts, never 0: tells whether a name that comes back is the same process.
     pub incarnation: u64,
     /// Evaluations that run at once, each on a thread of its own; 1 to [`SLOTS_MAX`].
     pub slots: usize,
@@ -111,7 +111,7 @@ impl Config {
             coordinator,
             name: format!("{host}-{}", std::process::id()),
             host,
-            incarnation: RandomState::new().hash_one(()), // random by its keys
+            incarnation: RandomState::new().hash_one(()).max(1), // random by its keys
             slots: available_parallelism().map_or(1, NonZeroUsize::get).min(SLOTS_MAX as usize),
             systems: creatures::system,
             fingerprint: creatures::fingerprint(),

@@ -3,7 +3,7 @@
 
 use bytes::Bytes;
 use creatures::{Cull, Interim, Outcome, Task};
-use proto::v1;
+use proto::{REPORTS_MAX, WORKER_MESSAGE_SIZE_MAX, v1};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -67,6 +67,19 @@ impl Report {
     fn ends_its_attempt(&self) -> bool {
         !matches!(self.news, News::Interim(_))
     }
+
+    /// On the wire, bytes: about, and rather more.
+    fn size(&self) -> usize {
+        let fixed = 128;
+        match &self.news {
+            News::Interim(_) => fixed,
+            News::Outcome(Outcome { measures, note, .. }) => {
+                let names = measures.iter().map(|(name, _)| name.len() + 24);
+                fixed + note.len() + names.sum::<usize>()
+            }
+            News::Failure(Failure { reason, .. }) => fixed + reason.len(),
+        }
+    }
 }
 
 impl From<Report> for v1::Report {
@@ -84,6 +97,8 @@ impl From<Report> for v1::Report {
 
 /// Shorter evaluations are cheaper to repeat than to remember. Seconds.
 const WORTH_KEEPING: f64 = 0.001;
+/// Of the reports in one message, bytes: one alone is far smaller.
+const MESSAGE_SIZE: usize = WORKER_MESSAGE_SIZE_MAX / 2;
 
 /// Reports on their way. It holds a report for each evaluation of the window at most, and as many interim
 /// ones.
@@ -107,10 +122,15 @@ impl Outbox {
         self.waiting.len()
     }
 
-    /// The next reports to send, `count_max` at most, oldest first.
-    pub(crate) fn take(&mut self, count_max: usize) -> Vec<Report> {
-        let count = self.waiting.len().min(count_max);
-        let reports: Vec<Report> = self.waiting.drain(..count).collect();
+    /// The next reports to send, oldest first: as many as fit in a message.
+    pub(crate) fn take(&mut self) -> Vec<Report> {
+        let mut size = 0;
+        let fits = |report: &&Report| {
+            size += report.size();
+            size <= MESSAGE_SIZE
+        };
+        let count = self.waiting.iter().take(REPORTS_MAX).take_while(fits).count().max(1);
+        let reports: Vec<Report> = self.waiting.drain(..count.min(self.waiting.len())).collect();
         let ended = reports.iter().filter(|report| report.ends_its_attempt());
         self.sent.extend(ended.map(|report| (report.seconds >= WORTH_KEEPING).then(|| report.clone())));
         reports
@@ -171,14 +191,14 @@ mod tests {
         for evaluation in 1..=4 {
             outbox.push(report(evaluation, 1.0));
         }
-        assert_eq!(evaluations(&outbox.take(3)), [1, 2, 3]);
+        assert_eq!(evaluations(&outbox.take()), [1, 2, 3, 4]);
         outbox.confirm(1);
         outbox.recall();
         assert_eq!(outbox.ended().map(|attempt| attempt.evaluation).collect::<Vec<_>>(), [2, 3, 4]);
-        assert_eq!(evaluations(&outbox.take(9)), [2, 3, 4]);
+        assert_eq!(evaluations(&outbox.take()), [2, 3, 4]);
         outbox.confirm(2);
         outbox.recall();
-        assert_eq!(evaluations(&outbox.take(9)), [4]);
+        assert_eq!(evaluations(&outbox.take()), [4]);
     }
 
     #[test]
@@ -187,14 +207,26 @@ mod tests {
         for report in [report(1, 1e-6), interim(2), report(2, 1.0)] {
             outbox.push(report);
         }
-        outbox.take(9);
+        outbox.take();
         outbox.confirm(1);
         outbox.recall();
-        assert_eq!(
-            evaluations(&outbox.take(9)),
-            [2],
-            "the cheap one was the first, the interim never counts"
-        );
+        assert_eq!(evaluations(&outbox.take()), [2], "the cheap one was the first, the interim never counts");
+    }
+
+    #[test]
+    fn a_message_has_so_many_reports_and_so_many_bytes() {
+        let mut outbox = Outbox::default();
+        (0..REPORTS_MAX as u64 + 5).for_each(|evaluation| outbox.push(report(evaluation, 1.0)));
+        assert_eq!((outbox.take().len(), outbox.take().len(), outbox.take().len()), (REPORTS_MAX, 5, 0));
+        let wordy = |size: usize| {
+            let failure = Failure { reason: "x".repeat(size), last: true };
+            Report { news: News::Failure(failure), ..report(1, 1.0) }
+        };
+        for size in [MESSAGE_SIZE / 4, MESSAGE_SIZE / 4, MESSAGE_SIZE / 2, 2 * MESSAGE_SIZE] {
+            outbox.push(wordy(size));
+        }
+        let counts = [(); 4].map(|()| outbox.take().len());
+        assert_eq!(counts, [2, 1, 1, 0], "none is too long for a message of its own");
     }
 
     #[test]
@@ -205,6 +237,6 @@ mod tests {
         }
         outbox.drop_attempt(Attempt { evaluation: 1, number: 1 });
         assert_eq!(outbox.waiting(), 1);
-        assert_eq!(evaluations(&outbox.take(9)), [2]);
+        assert_eq!(evaluations(&outbox.take()), [2]);
     }
 }

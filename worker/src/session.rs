@@ -9,11 +9,11 @@ use crate::tasks::{Tasks, chain};
 use crate::window::{Account, is_news};
 use bytes::Bytes;
 use creatures::Cull;
-use proto::dial::DialError;
+use proto::dial::{DialError, Line};
 use proto::v1::coordinator_message::Kind as Incoming;
 use proto::v1::fleet_client::FleetClient;
 use proto::v1::worker_message::Kind as Outgoing;
-use proto::{MESSAGE_SIZE_MAX, PROTOCOL, TaskHash, refusal, v1};
+use proto::{MESSAGE_SIZE_MAX, PROTOCOL, TaskHash, WORKER_MESSAGE_SIZE_MAX, refusal, v1};
 use std::collections::VecDeque;
 use std::future::pending;
 use std::io;
@@ -24,12 +24,10 @@ use tokio::time::{Instant, MissedTickBehavior, interval, sleep, sleep_until, tim
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Status, Streaming};
 
-/// From the first packet to the welcome.
+/// To connect, and from the hello to the welcome.
 const ATTACH_TIMEOUT: Duration = Duration::from_secs(10);
 /// For the coordinator to read the last reports of a worker that leaves.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(5);
-/// Reports in one message: at their size limits they stay within that of a message.
-const REPORTS_MAX: usize = 1024;
 /// Messages on their way to the socket.
 const OUTGOING_MAX: usize = 16;
 
@@ -56,7 +54,7 @@ pub enum WorkerError {
 
 /// Attaches to the coordinator, and again whenever the stream breaks, and evaluates, until `shutdown`
 /// completes, or its time or its patience with idleness is over: then takes nothing new, gives back what has not
-/// begun, finishes and reports what runs, within the grace, and returns. Without a coordinator at that moment it
+/// begun, finishes and reports what runs, within the grace, and returns. Without a connection at that moment it
 /// returns at once; what it held can be evaluated again.
 ///
 /// # Errors
@@ -76,17 +74,20 @@ pub async fn run(config: Config, shutdown: impl Future<Output = ()>) -> Result<(
     let mut lineage = Bytes::new();
     let mut told = String::new(); // a coordinator that stays away is worth one line
     loop {
-        let end = tokio::select! {
+        let line = tokio::select! {
             biased;
             () = &mut shutdown => return Ok(()),
-            attached = attach(&config, &slots, &mut lineage) => match attached {
-                Ok(session) => {
-                    backoff.reset();
-                    told.clear();
-                    session.work(&slots, shutdown.as_mut(), config.grace).await
-                }
-                Err(end) => end,
+            line = dial(&config) => line,
+        };
+        // Once it has said hello it may hold leases, and takes leave of them.
+        let attached = async { attach(line?, &config, &slots, &mut lineage).await };
+        let end = match attached.await {
+            Ok(session) => {
+                backoff.reset();
+                told.clear();
+                session.work(&slots, shutdown.as_mut(), config.grace).await
             }
+            Err(end) => end,
         };
         let end = match end {
             // Once it was the right one, and whoever is there now may go away again.
@@ -174,8 +175,7 @@ async fn idle(slots: &Slots, timeout: Option<Duration>) {
     }
 }
 
-/// Says hello and waits for the welcome. What is held for another lineage than the welcome's is thrown away.
-async fn attach(config: &Config, slots: &Slots, lineage: &mut Bytes) -> Result<Session, End> {
+async fn dial(config: &Config) -> Result<Line, End> {
     let address = config.coordinator.clone().with(|endpoint| {
         endpoint
             .connect_timeout(ATTACH_TIMEOUT)
@@ -183,14 +183,22 @@ async fn attach(config: &Config, slots: &Slots, lineage: &mut Bytes) -> Result<S
             .keep_alive_timeout(Duration::from_secs(10))
             .keep_alive_while_idle(true)
     });
+    let line = async {
+        match config.dial {
+            Some(dial) => address.connect_through(dial).await,
+            None => address.connect().await,
+        }
+    };
+    let lost = |_| End::Lost(format!("no connection within {ATTACH_TIMEOUT:?}"));
+    Ok(timeout(ATTACH_TIMEOUT, line).await.map_err(lost)??)
+}
+
+/// Says hello and waits for the welcome. What is held for another lineage than the welcome's is thrown away.
+async fn attach(line: Line, config: &Config, slots: &Slots, lineage: &mut Bytes) -> Result<Session, End> {
     let hello = async {
-        let line = match config.dial {
-            Some(dial) => address.connect_through(dial).await?,
-            None => address.connect().await?,
-        };
         let mut client = FleetClient::new(line)
             .max_decoding_message_size(MESSAGE_SIZE_MAX)
-            .max_encoding_message_size(MESSAGE_SIZE_MAX);
+            .max_encoding_message_size(WORKER_MESSAGE_SIZE_MAX);
         let window = slots.window();
         let hello = v1::Hello {
             protocol: PROTOCOL,
@@ -340,8 +348,7 @@ impl Session {
 
     /// Sends the reports that wait. True if there are more.
     fn report(&mut self, slots: &Slots) -> bool {
-        let (reports, window) = slots.take_reports(REPORTS_MAX);
-        let more = reports.len() == REPORTS_MAX;
+        let (reports, more, window) = slots.take_reports();
         if !reports.is_empty() {
             let reports = reports.into_iter().map(Into::into).collect();
             self.send(Outgoing::Reports(v1::Reports { reports }));

@@ -111,11 +111,12 @@ impl Slots {
         self.shared.stirred.notified().await;
     }
 
-    /// The next reports to send, `count_max` at most, and the window that the pace asks for.
-    pub(crate) fn take_reports(&self, count_max: usize) -> (Vec<Report>, u32) {
+    /// The next reports to send, whether others wait, and the window that the pace asks for.
+    pub(crate) fn take_reports(&self) -> (Vec<Report>, bool, u32) {
         let mut state = self.shared.lock();
         state.is_announced = false;
-        (state.outbox.take(count_max), state.pace.window(self.count))
+        let reports = state.outbox.take();
+        (reports, state.outbox.waiting() > 0, state.pace.window(self.count))
     }
 
     /// The window that the pace asks for.

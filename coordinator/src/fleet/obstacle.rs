@@ -1,6 +1,6 @@
 //! Why the fleet does nothing, in words for people. Pure: numbers go in, sentences come out.
 
-use super::Summary;
+use super::{PAROLE_MS, Summary};
 
 /// A worker that was turned away.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -29,9 +29,9 @@ pub(super) fn words(summary: &Summary, refused: Option<&Refused>) -> String {
             )
         }
         (1.., _, _) if summary.condemned > 0 && summary.ready == 0 && summary.in_flight == 0 => format!(
-            "{} evaluations may have ended three workers each: they are set aside if none of those is back within twelve \
-             times the timeout",
-            summary.condemned
+            "{} evaluations may have ended three workers each: they are set aside if none of those is back within {} s",
+            summary.condemned,
+            PAROLE_MS / 1000
         ),
         (1.., _, _) => String::new(),
         (0, 0, None) => {

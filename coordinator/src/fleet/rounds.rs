@@ -3,7 +3,7 @@
 
 use super::counts::Counts;
 use super::session::{Session, Unsent};
-use super::{Change, Clock, Delivery, Event, FleetSettings, Joined, OVERDUE_MS, PAROLE_TIMEOUTS, Summary};
+use super::{Change, Clock, Delivery, Event, FleetSettings, Joined, PAROLE_MS, Summary};
 use crate::scheduler::{Hello, Limits, Loss, Millis, NameTaken, Order, QueueId, Scheduler, WorkerId};
 use bytes::Bytes;
 use proto::v1::{self, coordinator_message::Kind};
@@ -48,8 +48,8 @@ impl Rounds {
         let limits = Limits {
             heartbeat_ms: settings.heartbeat_ms.into(),
             timeout_ms: settings.timeout_ms.into(),
-            overdue_ms: OVERDUE_MS,
-            parole_ms: PAROLE_TIMEOUTS * u64::from(settings.timeout_ms),
+            overdue_ms: 1000 * u64::from(settings.overdue_s),
+            parole_ms: PAROLE_MS,
         };
         let now = clock.now();
         let mut scheduler = Scheduler::new(limits, now);
@@ -175,6 +175,10 @@ impl Rounds {
                 self.scheduler.attach(hello, now)?
             }
         };
+        // A predecessor leaves before its successor joins.
+        for order in self.scheduler.dismissals() {
+            self.carry_out(order, now);
+        }
         let welcome = v1::Welcome {
             worker: worker.0,
             lineage: Bytes::copy_from_slice(&self.settings.lineage),
@@ -243,7 +247,15 @@ impl Rounds {
         match order {
             Order::Dismiss { worker, loss, leases } => {
                 if let Some((session, _)) = self.sessions.get_mut(&worker) {
-                    session.refuse(Status::unavailable(format!("dismissed: {}", loss.word())));
+                    session.refuse(match loss {
+                        // It will not get rid of what hangs by attaching again.
+                        Loss::Overdue => Status::failed_precondition(format!(
+                            "an evaluation has run for more than {} s (the coordinator's --overdue-s) and counts as hung: \
+                             start this worker again",
+                            self.settings.overdue_s
+                        )),
+                        _ => Status::unavailable(format!("dismissed: {}", loss.word())),
+                    });
                 }
                 self.take_leave(worker, loss, leases);
             }

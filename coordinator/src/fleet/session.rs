@@ -60,7 +60,7 @@ impl Session {
 
     /// Nobody saw to the stream for a time, which is not held against it.
     pub(super) fn excuse(&mut self, pause_ms: u64, now: Millis) {
-        self.taken.1.0 = (self.taken.1.0 + pause_ms).min(now.0);
+        self.taken.1.excuse(pause_ms, now);
     }
 
     pub(super) fn send(&mut self, kind: v1::coordinator_message::Kind) -> Result<(), Unsent> {

@@ -145,12 +145,17 @@ impl Scheduler {
                 self.give_back(&state.name, lease.attempt, now);
                 continue;
             }
-            let strike = lease.begun.and_then(|begun| match loss {
-                Loss::Overdue => (now.since(begun) > self.limits.overdue_ms).then_some(Strike::Certain),
-                _ => loss.is_suspicious().then_some(Strike::Presumed(state.incarnation)),
-            });
             info.lost += 1;
-            self.void(lease.attempt, loss, strike, now);
+            let is_overdue = loss == Loss::Overdue && lease.ran_ms(now) > self.limits.overdue_ms;
+            let strike = match lease.begun {
+                Some(_) if is_overdue => Some(Strike::Certain),
+                // One that drains was to end anyway.
+                Some(_) if loss.is_suspicious() && !state.draining => {
+                    Some(Strike::Presumed(state.incarnation))
+                }
+                _ => None,
+            };
+            self.void(lease, loss, strike, now);
         }
         if self.gone.len() == GONE_REMEMBERED {
             self.gone.pop_front();
@@ -164,18 +169,20 @@ impl Scheduler {
     /// Lets time pass: workers that were silent for too long, or run one evaluation for too long, are lost, and
     /// evaluations are set aside whose workers have not come back.
     ///
-    /// Silence counts only while somebody listened: when this is called after a longer pause than a heartbeat
-    /// (the process was stopped, the machine slept), both get the pause back. Gives that pause,
+    /// Time counts only while somebody listened: when this is called after a longer pause than a heartbeat (the
+    /// process was stopped, the machine slept), all that is waited for gets the pause back. Gives that pause,
     /// milliseconds.
     pub fn advance(&mut self, now: Millis) -> u64 {
-        let pause = now.since(self.advanced).saturating_sub(self.limits.heartbeat_ms);
+        let elapsed = now.since(self.advanced);
+        let pause = elapsed.saturating_sub(self.limits.heartbeat_ms);
         self.advanced = now;
-        self.condemned.values_mut().for_each(|since| since.0 = (since.0 + pause).min(now.0));
+        // Nor does it count as time to come back while nobody at all gets through.
+        let parole_pause = if self.workers.is_empty() { elapsed } else { pause };
+        self.condemned.values_mut().for_each(|since| since.excuse(parole_pause, now));
         let mut losses = Vec::new();
         for worker in self.workers.values_mut() {
-            worker.heard.0 = (worker.heard.0 + pause).min(now.0);
-            let is_overdue =
-                |lease: &Lease| lease.begun.is_some_and(|b| now.since(b) > self.limits.overdue_ms);
+            worker.excuse(pause, now);
+            let is_overdue = |lease: &Lease| lease.ran_ms(now) > self.limits.overdue_ms;
             if now.since(worker.heard) > self.limits.timeout_ms {
                 losses.push((worker.id, Loss::Silent));
             } else if worker.leases().any(is_overdue) {

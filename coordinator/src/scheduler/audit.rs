@@ -143,8 +143,7 @@ impl Scheduler {
             .find(|&first| opinions[first + 1..].iter().any(|other| opinions[first].agrees(other)));
         match agreed {
             Some(first) => self.conclude(evaluation, first, Audited::Agreed, now),
-            None if entry.outstanding().next().is_none() => self.await_opinion(evaluation),
-            None => {}
+            None => self.retry(evaluation, now),
         }
     }
 
@@ -257,9 +256,7 @@ impl Scheduler {
             for tried in entry.attempts.iter_mut().filter(|tried| tried.name == name) {
                 tried.fate = Some(Fate::Lost(Loss::QUARANTINED.to_owned()));
             }
-            if entry.outstanding().next().is_none() {
-                self.retry(evaluation, now);
-            }
+            self.retry(evaluation, now);
         }
     }
 

@@ -3,7 +3,7 @@
 use super::WorkerState;
 use super::audit::ALONE_MS;
 use super::rig::Op::*;
-use super::rig::{HEARTBEAT, Op, Rig, TIMEOUT, outcome};
+use super::rig::{HEARTBEAT, Op, PAROLE, Rig, TIMEOUT, outcome};
 use super::tests::{A, B, C, D, fate, fates};
 use crate::lineage::{Audited, Fate};
 use proptest::prelude::*;
@@ -198,6 +198,32 @@ fn that_an_evaluation_is_impossible_is_an_opinion_as_well() {
 }
 
 #[test]
+fn one_on_which_two_workers_differ_waits_for_a_third_whoever_is_lost_meanwhile() {
+    let rig = audited().run(&[
+        Join(A),
+        Submit(0, 1),
+        Lie(A),
+        Join(B),
+        Report(B, 0),
+        Join(C),
+        Lose(C),
+        Join(C),
+        Lose(C),
+        Join(C),
+        Lose(C),
+        Join(C),
+        Lose(C),
+        Advance(2 * PAROLE),
+        Settled(&[]),
+        Join(C),
+        Report(C, 0),
+        Settled(&[0]),
+        SetAside(&[]),
+    ]);
+    assert_eq!(rig.quarantined.iter().map(|verdict| &*verdict.worker).collect::<Vec<_>>(), ["A"]);
+}
+
+#[test]
 fn one_that_a_worker_lived_through_counts_when_nobody_else_does() {
     let rig = audited().run(&[
         Join(A),
@@ -209,6 +235,8 @@ fn one_that_a_worker_lived_through_counts_when_nobody_else_does() {
         Lose(C),
         Join(D),
         Lose(D),
+        Settled(&[]),
+        Advance(PAROLE + HEARTBEAT),
         Settled(&[0]),
     ]);
     assert_eq!(rig.settled[&0].audit, Some(Audited::Skipped));

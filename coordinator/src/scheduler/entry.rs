@@ -2,6 +2,7 @@
 //! once it is settled.
 
 use super::audit::Opinion;
+use super::hand_out::OUTSTANDING_MAX;
 use super::queue::Rank;
 use super::strikes::Strike;
 use super::{Evaluation, QueueId, WorkerId};
@@ -15,6 +16,23 @@ pub const ATTEMPTS_KEPT: usize = 32;
 pub(super) const STRIKES_MAX: usize = 3;
 /// From here on it is a suspect, and gets a worker for itself alone.
 pub(super) const STRIKES_OF_A_SUSPECT: usize = STRIKES_MAX - 1;
+
+/// Where an evaluation belongs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Standing {
+    /// With the workers that have it.
+    UnderWay,
+    /// In its queue.
+    Ready,
+    /// With a worker for itself alone, once there is one.
+    Suspect,
+    /// With a worker that has no opinion on it, once there is one.
+    Awaiting,
+    /// Nowhere, until a worker that was lost with it is back or has had its time.
+    Condemned,
+    /// Nowhere any more.
+    Convicted,
+}
 
 #[derive(Debug)]
 pub(super) struct Entry {
@@ -40,6 +58,8 @@ pub(super) struct Tried {
     pub(super) strike: Option<Strike>,
     /// Its lease was lost, and comes back to life if the worker comes back with it.
     pub(super) restorable: bool,
+    /// How long it may have run by then, milliseconds.
+    pub(super) ran_ms: u64,
     /// `None` while its lease lasts.
     pub(super) fate: Option<Fate>,
     /// On its interim report.
@@ -82,6 +102,7 @@ impl Entry {
             alone,
             strike: None,
             restorable: false,
+            ran_ms: 0,
             fate: None,
             ruling: None,
             steps: 0,
@@ -94,6 +115,13 @@ impl Entry {
         self.attempts.iter().position(|tried| tried.number == number && &*tried.name == name)
     }
 
+    /// Where an attempt stands that a worker brings back, if its lease can be restored.
+    pub(super) fn wants_back(&self, number: u32, worker: WorkerId, name: &str) -> Option<usize> {
+        let is_here = self.outstanding().any(|tried| tried.worker == worker);
+        let is_enough = is_here || self.outstanding().count() == OUTSTANDING_MAX || self.has_opined(name);
+        self.find(number, name).filter(|&at| self.attempts[at].restorable && !is_enough)
+    }
+
     /// The attempts whose leases last.
     pub(super) fn outstanding(&self) -> impl Iterator<Item = &Tried> {
         self.attempts.iter().filter(|tried| tried.fate.is_none())
@@ -103,9 +131,20 @@ impl Entry {
         self.attempts.iter().filter(|tried| tried.strike.is_some()).count()
     }
 
-    /// Whether nothing that is held against it is a presumption.
-    pub(super) fn is_convicted(&self) -> bool {
-        !self.attempts.iter().any(|tried| matches!(tried.strike, Some(Strike::Presumed(_))))
+    /// What comes next, if none of its attempts has settled it.
+    pub(super) fn standing(&self) -> Standing {
+        let is_presumption = |tried: &Tried| matches!(tried.strike, Some(Strike::Presumed(_)));
+        let is_guilty = self.strikes() >= STRIKES_MAX;
+        match self.opinions.len() {
+            _ if self.outstanding().next().is_some() => Standing::UnderWay,
+            // Those have lived through it, and differ.
+            2.. => Standing::Awaiting,
+            _ if is_guilty && self.attempts.iter().any(is_presumption) => Standing::Condemned,
+            _ if is_guilty => Standing::Convicted,
+            1 => Standing::Awaiting,
+            _ if self.is_suspect() => Standing::Suspect,
+            _ => Standing::Ready,
+        }
     }
 
     /// Whether it gets a worker for itself alone. One that a worker has lived through kills nobody.

@@ -122,7 +122,7 @@ impl Scheduler {
         let entry = self.evaluations.get_mut(&evaluation).expect("what is handed out is open");
         let state = self.workers.get_mut(&worker).expect("evaluations go to attached workers");
         let number = entry.number();
-        let seat = state.seat(AttemptId { evaluation, number }, entry.queue, now);
+        let seat = state.seat(AttemptId { evaluation, number }, entry.queue, 0, now);
         entry.attempt(number, worker, state.name.clone(), seat, alone);
         state.assigned.push(Assignment { number, evaluation: entry.evaluation.clone() });
         self.told.insert(worker);

@@ -23,7 +23,8 @@
 //!
 //! A process that is not heard of may be alive behind a line that is dead. Its strike is a presumption until
 //! another process comes under its name, and is taken back when it comes itself. With the third strike an evaluation
-//! is set aside at once if all are certain; else it waits for as long as a process may take to come back.
+//! is set aside at once if all are certain; else it waits for as long as a process may take to come back. Nobody is
+//! set aside while an attempt is under way, or on whom two workers have an opinion.
 
 mod attendance;
 mod audit;
@@ -60,6 +61,11 @@ impl Millis {
     /// Since an earlier time; 0 since a later one.
     pub fn since(self, earlier: Millis) -> u64 {
         self.0.saturating_sub(earlier.0)
+    }
+
+    /// Moves a start that is waited from by a time that does not count, up to now.
+    pub(crate) fn excuse(&mut self, pause_ms: u64, now: Millis) {
+        self.0 = (self.0 + pause_ms).min(now.0);
     }
 }
 
@@ -265,9 +271,7 @@ impl Scheduler {
         if !self.stopped {
             self.hand_out(now);
         }
-        let dismissed = std::mem::take(&mut self.dismissed).into_iter();
-        let mut orders: Vec<Order> =
-            dismissed.map(|(worker, loss, leases)| Order::Dismiss { worker, loss, leases }).collect();
+        let mut orders = self.dismissals();
         for worker in std::mem::take(&mut self.told) {
             let Some(state) = self.workers.get_mut(&worker) else { continue };
             let (revoked, assigned) =
@@ -286,6 +290,12 @@ impl Scheduler {
             orders.push(Order::Deliver { queue, settled, conflicts, quarantined: quarantined.clone() });
         }
         orders
+    }
+
+    /// The orders to close the streams of workers that are attached no more: before anybody else comes under their names.
+    pub fn dismissals(&mut self) -> Vec<Order> {
+        let dismissed = std::mem::take(&mut self.dismissed).into_iter();
+        dismissed.map(|(worker, loss, leases)| Order::Dismiss { worker, loss, leases }).collect()
     }
 
     /// Who is attached, by number, and who was, the last to go at the end.

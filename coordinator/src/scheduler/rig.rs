@@ -1,6 +1,7 @@
 //! A rig for tests: a scheduler, workers that do as they are told, and operations on both. After every
 //! operation it holds the scheduler's state against what must always be true.
 
+use super::entry::Standing;
 use super::queue::Rank;
 use super::*;
 use crate::lineage::Fate;
@@ -403,8 +404,15 @@ impl Rig {
             assert!(is_audited || out.iter().all(|tried| !entry.has_opined(&tried.name)));
             let honest = |opinion: &audit::Opinion| !state.quarantined.contains(&opinion.worker);
             assert!(entry.opinions.iter().all(honest), "the word of a liar counts");
-            assert!(entry.strikes() < entry::STRIKES_MAX || !entry.is_convicted());
-            assert_eq!(is_awaiting, out.is_empty() && entry.is_suspect() && !is_condemned);
+            let belongs = match entry.standing() {
+                Standing::UnderWay => !out.is_empty(),
+                Standing::Ready => is_ready,
+                Standing::Suspect => is_awaiting,
+                Standing::Awaiting => is_audited,
+                Standing::Condemned => is_condemned,
+                Standing::Convicted => false,
+            };
+            assert!(belongs, "{id} is {:?} and stands elsewhere: {places:?}", entry.standing());
             assert!(entry.attempts.len() <= ATTEMPTS_KEPT);
         }
         for (id, worker) in &state.workers {

@@ -1,9 +1,9 @@
 //! What becomes of an evaluation when a report comes or a worker goes: settled, put back, restored, or set
 //! aside. It hands nothing out.
 
-use super::entry::STRIKES_MAX;
-use super::hand_out::OUTSTANDING_MAX;
+use super::entry::Standing;
 use super::strikes::Strike;
+use super::worker::Lease;
 use super::{
     AttemptId, Conflict, Entry, Loss, Millis, News, QueueId, Report, Scheduler, Settled, WorkerId, ruling,
 };
@@ -46,7 +46,7 @@ impl Scheduler {
         }
         let is_first = entry.attempts.len() == 1;
         let tried = &mut entry.attempts[at];
-        tried.seconds = seconds;
+        tried.seconds = seconds.min(self.limits.overdue_ms as f64 / 1e3);
         let (cull, is_audited) = (entry.evaluation.cull.as_ref(), entry.evaluation.audit);
         match news {
             News::Interim(interim) => {
@@ -125,15 +125,17 @@ impl Scheduler {
     }
 
     /// Ends an attempt whose worker is gone already, and holds that against its evaluation if `strike` says so.
-    pub(super) fn void(&mut self, attempt: AttemptId, loss: Loss, strike: Option<Strike>, now: Millis) {
+    pub(super) fn void(&mut self, lease: &Lease, loss: Loss, strike: Option<Strike>, now: Millis) {
+        let attempt = lease.attempt;
         let entry = self.evaluations.get_mut(&attempt.evaluation).expect("what is leased is open");
         let is_suspect = entry.is_suspect();
         let tried = entry.attempts.iter_mut().find(|tried| tried.number == attempt.number);
         let tried = tried.expect("attempts whose lease lasts are kept");
         tried.fate = Some(Fate::Lost(loss.word().to_owned()));
-        tried.restorable = loss != Loss::Overdue;
+        tried.restorable = strike != Some(Strike::Certain);
+        tried.ran_ms = lease.ran_ms(now);
         // The last strike of a suspect falls only where no neighbour can have been the cause.
-        tried.strike = strike.filter(|_| !is_suspect || tried.alone || loss == Loss::Overdue);
+        tried.strike = strike.filter(|&strike| !is_suspect || tried.alone || strike == Strike::Certain);
         if let Some(Strike::Presumed(_)) = tried.strike {
             self.presumptions.add(&tried.name, attempt.evaluation);
         }
@@ -157,20 +159,15 @@ impl Scheduler {
     /// Restores the lease of an attempt that a worker has brought back, or revokes it if nobody needs it.
     pub(super) fn restore(&mut self, worker: WorkerId, attempt: AttemptId, now: Millis) {
         let state = self.workers.get_mut(&worker).expect("the caller has attached it");
-        let wanted = self.evaluations.get(&attempt.evaluation).and_then(|entry| {
-            let at = entry.find(attempt.number, &state.name).filter(|&at| entry.attempts[at].restorable)?;
-            if state.quarantined || entry.has_opined(&state.name) {
-                return None;
-            }
-            let is_here = entry.outstanding().any(|tried| tried.worker == worker);
-            (!is_here && entry.outstanding().count() < OUTSTANDING_MAX).then_some((at, entry.queue))
-        });
-        let Some((at, queue)) = wanted else {
+        let entry = self.evaluations.get(&attempt.evaluation).filter(|_| !state.quarantined);
+        let wanted =
+            entry.and_then(|entry| Some((entry, entry.wants_back(attempt.number, worker, &state.name)?)));
+        let Some((entry, at)) = wanted else {
             state.revoked.push(attempt);
             self.told.insert(worker);
             return;
         };
-        let seat = state.seat(attempt, queue, now);
+        let seat = state.seat(attempt, entry.queue, entry.attempts[at].ran_ms, now);
         self.withdraw(attempt.evaluation);
         let entry = self.evaluations.get_mut(&attempt.evaluation).expect("it was found above");
         let tried = &mut entry.attempts[at];
@@ -179,35 +176,40 @@ impl Scheduler {
         (tried.fate, tried.worker, tried.seat) = (None, worker, seat);
     }
 
-    /// After an attempt has ended in vain: another one, unless one is under way or there were too many.
+    /// After an attempt has ended in vain: puts its evaluation where it belongs now.
     pub(super) fn retry(&mut self, evaluation: u64, now: Millis) {
         let entry = &self.evaluations[&evaluation];
-        if entry.strikes() >= STRIKES_MAX {
-            if let [_] = entry.opinions[..] {
-                // A worker has lived through it, and nobody else does.
-                self.conclude(evaluation, 0, Audited::Skipped, now);
-            } else if entry.is_convicted() {
-                let reason = entry.account();
-                self.set_aside(evaluation, reason, now);
-            } else if entry.outstanding().next().is_none() {
+        match entry.standing() {
+            Standing::UnderWay => {}
+            Standing::Convicted => self.give_up(evaluation, now),
+            Standing::Condemned => {
                 self.condemned.insert(evaluation, now);
             }
-        } else if entry.outstanding().next().is_none() {
-            let queue = entry.queue;
-            if !entry.opinions.is_empty() {
-                self.await_opinion(evaluation);
-            } else if entry.is_suspect() {
+            Standing::Awaiting => self.await_opinion(evaluation),
+            Standing::Suspect => {
                 self.suspects.insert(evaluation, None);
-            } else {
-                let rank = entry.rank();
+            }
+            Standing::Ready => {
+                let (queue, rank) = (entry.queue, entry.rank());
                 self.queues.get_mut(&queue).expect("queues outlive their evaluations").ready.insert(rank);
                 self.file_queue(queue);
             }
         }
     }
 
+    /// Risks no further worker: the opinion of one that has lived through it counts, else it is set aside.
+    pub(super) fn give_up(&mut self, evaluation: u64, now: Millis) {
+        let entry = &self.evaluations[&evaluation];
+        if entry.opinions.is_empty() {
+            let reason = entry.account();
+            self.set_aside(evaluation, reason, now);
+        } else {
+            self.conclude(evaluation, 0, Audited::Skipped, now);
+        }
+    }
+
     /// Settles an evaluation without an outcome.
-    pub(super) fn set_aside(&mut self, evaluation: u64, reason: String, now: Millis) {
+    fn set_aside(&mut self, evaluation: u64, reason: String, now: Millis) {
         let ruling = self.evaluations[&evaluation].attempts.iter().find_map(|tried| tried.ruling);
         self.settle(evaluation, Err(SetAside { reason }), ruling, None, now);
     }

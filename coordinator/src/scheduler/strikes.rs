@@ -57,9 +57,7 @@ impl Scheduler {
                     tried.strike = (lost != incarnation).then_some(Strike::Certain);
                 }
             }
-            if entry.outstanding().next().is_none() {
-                self.retry(evaluation, now);
-            }
+            self.retry(evaluation, now);
         }
     }
 
@@ -68,8 +66,7 @@ impl Scheduler {
         let over = self.condemned.iter().filter(|(_, since)| now.since(**since) > self.limits.parole_ms);
         for evaluation in over.map(|(&evaluation, _)| evaluation).collect::<Vec<_>>() {
             self.withdraw(evaluation);
-            let reason = self.evaluations[&evaluation].account();
-            self.set_aside(evaluation, reason, now);
+            self.give_up(evaluation, now);
         }
     }
 }

@@ -15,7 +15,9 @@ fn a_genotype_that_kills_three_workers_is_set_aside() {
         Join(C),
         Holds(C, &[0]),
         Lose(C),
+        Join(D),
         Advance(PAROLE),
+        Holds(D, &[]),
         SetAside(&[]),
         Advance(HEARTBEAT),
         SetAside(&[0]),
@@ -166,7 +168,7 @@ fn the_third_strike_falls_only_on_a_worker_of_its_own() {
         Join(D),
         Holds(D, &[0]),
         Lose(D),
-        Holds(D, &[0]),
+        Join('E'),
         Advance(PAROLE + HEARTBEAT),
         SetAside(&[0]),
     ]);
@@ -191,6 +193,42 @@ fn once_others_stand_in_the_place_of_those_that_ended_it_is_certain() {
 }
 
 #[test]
+fn nobody_is_set_aside_while_a_worker_is_at_it() {
+    let three =
+        [Submit(0, 1), Join(D), Leave(D), Join(A), Lose(A), Join(B), Lose(B), Join(C), Back(D), Lose(C)];
+    let others = [Join(A), Join(B), Join(C), Holds(D, &[0]), SetAside(&[])];
+    let certain = || Rig::new().run(&three).run(&others);
+    certain().run(&[Report(D, 0), Settled(&[0]), SetAside(&[])]);
+    certain().run(&[Lose(D), SetAside(&[0])]);
+}
+
+#[test]
+fn the_end_of_a_worker_that_drains_is_held_against_nobody() {
+    let once = [Join(A), Drain(A), Lose(A)];
+    let rig = Rig::new().run(&[Submit(0, 1)]).run(&once).run(&once).run(&once).run(&once);
+    rig.run(&[Join(B), Report(B, 0), Settled(&[0]), SetAside(&[])]);
+}
+
+#[test]
+fn nobody_comes_back_to_a_coordinator_that_is_cut_off() {
+    Rig::new().run(&[
+        Submit(0, 1),
+        Join(A),
+        Lose(A),
+        Join(B),
+        Lose(B),
+        Join(C),
+        Lose(C),
+        Advance(10 * PAROLE),
+        SetAside(&[]),
+        Back(C),
+        Report(C, 0),
+        Settled(&[0]),
+        SetAside(&[]),
+    ]);
+}
+
+#[test]
 fn a_process_that_comes_back_was_not_ended_by_what_it_holds_no_more() {
     let once = [Lose(A), Return(A), Holds(A, &[0])];
     let rig = Rig::new().run(&[Join(A), Submit(0, 1)]).run(&once).run(&once).run(&once).run(&once);
@@ -199,10 +237,11 @@ fn a_process_that_comes_back_was_not_ended_by_what_it_holds_no_more() {
 
 #[test]
 fn whoever_comes_back_in_time_clears_what_was_about_to_be_set_aside() {
-    let lost = [Submit(0, 1), Join(A), Lose(A), Join(B), Lose(B), Join(C), Lose(C), Advance(PAROLE / 2)];
-    Rig::new().run(&lost).run(&[Return(B), Holds(B, &[0]), Report(B, 0), Settled(&[0]), SetAside(&[])]);
-    Rig::new().run(&lost).run(&[Back(B), Holds(B, &[0]), Report(B, 0), Settled(&[0]), SetAside(&[])]);
-    let rig = Rig::new().run(&lost).run(&[Jump(100 * PAROLE), SetAside(&[]), Return(B), Holds(B, &[0])]);
+    let three = [Submit(0, 1), Join(A), Lose(A), Join(B), Lose(B), Join(C), Lose(C)];
+    let lost = || Rig::new().run(&three).run(&[Join(D), Advance(PAROLE / 2), Holds(D, &[])]);
+    lost().run(&[Return(B), Holds(D, &[0]), Report(D, 0), Settled(&[0]), SetAside(&[])]);
+    lost().run(&[Back(B), Holds(B, &[0]), Report(B, 0), Settled(&[0]), SetAside(&[])]);
+    let rig = lost().run(&[Jump(100 * PAROLE), SetAside(&[]), Return(B), Holds(D, &[0])]);
     assert_eq!(rig.scheduler.summary().condemned, 0, "nobody could come back while nobody listened");
 }
 
@@ -216,8 +255,9 @@ fn a_late_outcome_acquits() {
         Lose(B),
         Join(C),
         Silence(C),
-        Jump(1),
+        Join(D),
         Advance(PAROLE),
+        Holds(D, &[]),
         SetAside(&[]),
         Back(C),
         Report(C, 0),

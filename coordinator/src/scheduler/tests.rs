@@ -113,13 +113,20 @@ fn nobody_is_silent_while_nobody_listens() {
     Rig::new().run(&[
         Join(A),
         Submit(0, 1),
-        Jump(100 * TIMEOUT),
+        Jump(2 * OVERDUE),
         Holds(A, &[0]),
         Silence(A),
         Advance(TIMEOUT + HEARTBEAT),
         Join(B),
         Holds(B, &[0]),
     ]);
+}
+
+#[test]
+fn coming_back_is_no_way_to_run_for_ever() {
+    let half = [Advance(OVERDUE / 2 + HEARTBEAT), Lose(A), Back(A)];
+    let rig = Rig::new().run(&[Join(A), Submit(0, 1)]).run(&half).run(&[Holds(A, &[0])]);
+    rig.run(&half[..1]).run(&[Join(B), Holds(B, &[0])]);
 }
 
 #[test]

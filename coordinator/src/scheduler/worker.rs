@@ -99,6 +99,13 @@ pub(super) struct Lease {
     pub(super) begun: Option<Millis>,
 }
 
+impl Lease {
+    /// How long it may have been running; 0 if it has not begun.
+    pub(super) fn ran_ms(&self, now: Millis) -> u64 {
+        self.begun.map_or(0, |begun| now.since(begun))
+    }
+}
+
 #[derive(Debug)]
 pub(super) struct Worker {
     pub(super) id: WorkerId,
@@ -168,12 +175,13 @@ impl Worker {
         }
     }
 
-    /// Takes a lease on and gives its seat.
-    pub(super) fn seat(&mut self, attempt: AttemptId, queue: QueueId, now: Millis) -> u64 {
+    /// Takes on a lease of what has run for `ran_ms` already, and gives its seat.
+    pub(super) fn seat(&mut self, attempt: AttemptId, queue: QueueId, ran_ms: u64, now: Millis) -> u64 {
         let seat = self.seat_next;
         self.seat_next += 1;
         if self.running.len() < self.slots as usize {
-            self.running.insert(seat, Lease { attempt, queue, since: now, begun: Some(now) });
+            let begun = Some(Millis(now.0.saturating_sub(ran_ms)));
+            self.running.insert(seat, Lease { attempt, queue, since: now, begun });
         } else {
             self.waiting.insert(seat, Lease { attempt, queue, since: now, begun: None });
         }
@@ -187,6 +195,15 @@ impl Worker {
         } else if let Some((seat, lease)) = self.waiting.pop_first() {
             self.running.insert(seat, Lease { begun: Some(now), ..lease });
         }
+    }
+
+    /// Nobody listened to it for a time, nor could it deliver what it ran.
+    pub(super) fn excuse(&mut self, pause_ms: u64, now: Millis) {
+        self.heard.excuse(pause_ms, now);
+        self.running
+            .values_mut()
+            .filter_map(|lease| lease.begun.as_mut())
+            .for_each(|b| b.excuse(pause_ms, now));
     }
 
     /// Its leases in the order of work.

@@ -7,12 +7,12 @@ use crate::scheduler::{AttemptId, Hello, News, Report};
 use creatures::{Interim, Outcome};
 use proto::convert::NOTE_SIZE_MAX;
 use proto::hello::{
-    LABEL_SIZE_MAX, LABELS_MAX, NAME_SIZE_MAX, SLOTS_MAX, VERSION_SIZE_MAX, WINDOW_MAX, is_label,
+    HOLDING_MAX, LABEL_SIZE_MAX, LABELS_MAX, NAME_SIZE_MAX, SLOTS_MAX, VERSION_SIZE_MAX, WINDOW_MAX, is_label,
 };
 use proto::refusal::Refusal;
 use proto::v1::fleet_server::FleetServer;
 use proto::v1::worker_message::Kind;
-use proto::{MESSAGE_SIZE_MAX, PROTOCOL, v1};
+use proto::{MESSAGE_SIZE_MAX, PROTOCOL, REPORTS_MAX, WORKER_MESSAGE_SIZE_MAX, v1};
 use std::convert::Infallible;
 use std::future::pending;
 use std::pin::pin;
@@ -30,7 +30,7 @@ const HANG_UP_TIMEOUT: Duration = Duration::from_secs(2);
 /// The service over a fleet.
 pub fn fleet(fleet: Fleet) -> FleetServer<FleetService> {
     FleetServer::new(FleetService { fleet })
-        .max_decoding_message_size(MESSAGE_SIZE_MAX)
+        .max_decoding_message_size(WORKER_MESSAGE_SIZE_MAX)
         .max_encoding_message_size(MESSAGE_SIZE_MAX)
 }
 
@@ -129,12 +129,16 @@ impl FleetService {
                  characters"
             )));
         }
+        if hello.incarnation == 0 {
+            return Err(Refusal::Hello("`incarnation` is 0 or missing".to_owned()));
+        }
         between("slots", hello.slots, SLOTS_MAX)?;
         between("window", hello.window, WINDOW_MAX)?;
-        let limit = (WINDOW_MAX + SLOTS_MAX) as usize;
-        if hello.holding.len() > limit {
+        if hello.holding.len() > HOLDING_MAX {
             let found = hello.holding.len();
-            return Err(Refusal::Hello(format!("`holding` has {found} attempts, the limit is {limit}")));
+            return Err(Refusal::Hello(format!(
+                "`holding` has {found} attempts, the limit is {HOLDING_MAX}"
+            )));
         }
         // What is held for another lineage is void: the welcome says which one this is.
         let is_ours = hello.lineage[..] == self.fleet.settings().lineage;
@@ -212,6 +216,7 @@ async fn listen(
 async fn pass_on(message: v1::WorkerMessage, mouth: &Mouth) -> Result<(), Status> {
     match message.kind {
         Some(Kind::Reports(v1::Reports { reports })) => {
+            within("reports", reports.len(), REPORTS_MAX)?;
             mouth.reports(reports.into_iter().map(report).collect::<Result<_, _>>()?).await;
         }
         Some(Kind::Heartbeat(v1::Heartbeat {})) => mouth.heartbeat().await,
@@ -224,12 +229,18 @@ async fn pass_on(message: v1::WorkerMessage, mouth: &Mouth) -> Result<(), Status
             mouth.window(evaluations).await;
         }
         Some(Kind::Drain(v1::Drain { returned })) => {
+            within("drain.returned", returned.len(), HOLDING_MAX)?;
             mouth.drain(returned.into_iter().map(attempt).collect()).await;
         }
         Some(Kind::Hello(_)) => return Err(Status::invalid_argument("a second hello")),
         None => return Err(Status::invalid_argument("a message of an unknown kind")),
     }
     Ok(())
+}
+
+fn within(field: &str, found: usize, limit: usize) -> Result<(), Status> {
+    let text = || format!("`{field}` has {found} entries, the limit is {limit}");
+    if found <= limit { Ok(()) } else { Err(Status::invalid_argument(text())) }
 }
 
 /// A stranger's word about itself, short and without control characters.

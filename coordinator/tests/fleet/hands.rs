@@ -30,9 +30,14 @@ pub(crate) struct Service {
 }
 
 pub(crate) async fn serve(heartbeat_ms: u32, timeout_ms: u32) -> Service {
+    serve_until_overdue(heartbeat_ms, timeout_ms, 900).await
+}
+
+pub(crate) async fn serve_until_overdue(heartbeat_ms: u32, timeout_ms: u32, overdue_s: u32) -> Service {
     let fleet = Fleet::start(FleetSettings {
         heartbeat_ms,
         timeout_ms,
+        overdue_s,
         version: "1.2.3".to_owned(),
         fingerprint: FINGERPRINT,
         lineage: LINEAGE,

@@ -7,13 +7,17 @@ mod conducted;
 mod hands;
 
 use bytes::Bytes;
-use coordinator::fleet::{Fate, TaskText};
-use hands::{LINEAGE, PATIENCE, Raw, evaluations, fates, hello, outcome, serve, serve_patiently, take};
+use coordinator::fleet::{Change, Fate, TaskText};
+use hands::{
+    LINEAGE, PATIENCE, Raw, evaluations, fates, hello, outcome, serve, serve_patiently, serve_until_overdue,
+    take,
+};
+use proto::hello::HOLDING_MAX;
 use proto::v1::coordinator_message::Kind as Told;
 use proto::v1::fleet_client::FleetClient;
 use proto::v1::report::What;
 use proto::v1::worker_message::Kind as Said;
-use proto::{PROTOCOL, v1};
+use proto::{PROTOCOL, REPORTS_MAX, WORKER_MESSAGE_SIZE_MAX, v1};
 use std::time::Duration;
 use tokio::time::timeout;
 use tonic::Code;
@@ -141,6 +145,7 @@ async fn a_hello_out_of_bounds_is_refused_by_the_name_of_its_field() {
         (hello("a", 1, 0), "`window`"),
         (hello("a", 1, 65_537), "`window`"),
         (v1::Hello { fingerprint: Bytes::new(), ..hello("a", 1, 1) }, "`fingerprint`"),
+        (v1::Hello { incarnation: 0, ..hello("a", 1, 1) }, "`incarnation`"),
     ] {
         let status = service.attach(hello).await.map(drop).unwrap_err();
         assert_eq!(status.code(), Code::InvalidArgument);
@@ -188,6 +193,62 @@ async fn a_silent_worker_is_dismissed_and_one_that_beats_is_not() {
     let settled = take(&mut output, 1).await;
     assert_eq!(fates(&settled[0])[0], (1, "silent", Fate::Lost("silent".to_owned())));
     beats.abort();
+}
+
+#[tokio::test]
+async fn a_worker_with_an_evaluation_that_hangs_is_told_to_start_again() {
+    let service = serve_until_overdue(200, 60_000, 1).await;
+    let (queue, mut output) = service.queue().await;
+    let mut hung = service.join("hung", 1, 1).await;
+    queue.submit(evaluations(1..2)).await;
+    hung.batch().await;
+    let status = hung.hear().await.unwrap_err();
+    assert!(proto::refusal::is_lasting(&status), "attaching again does not rid it of what hangs: {status}");
+    assert!(status.message().contains("start this worker again"), "{status}");
+    let mut sound = service.join("sound", 1, 1).await;
+    let handed_on = sound.batch().await;
+    sound.complete(&handed_on[0]).await;
+    let settled = take(&mut output, 1).await;
+    assert_eq!(fates(&settled[0])[0], (1, "hung", Fate::Lost("overdue".to_owned())));
+}
+
+#[tokio::test]
+async fn a_worker_leaves_before_another_joins_under_its_name() {
+    let service = serve(50, 60_000).await;
+    let mut changes = service.fleet.changes();
+    let old = service.join("a", 1, 1).await;
+    tokio::time::sleep(Duration::from_millis(150)).await; // two heartbeats and more
+    let _new = service.join("a", 1, 1).await;
+    drop(old);
+    let words =
+        [changes.recv().await, changes.recv().await, changes.recv().await].map(|change| match change {
+            Ok(Change::Joined(_)) => "joined",
+            Ok(Change::Left { reason, .. }) => reason,
+            other => panic!("{other:?}"),
+        });
+    assert_eq!(words, ["joined", "attached anew", "joined"]);
+}
+
+#[tokio::test]
+async fn what_a_worker_says_has_its_limits() {
+    let service = serve_patiently().await;
+    let returned = vec![v1::Attempt::default(); HOLDING_MAX + 1];
+    let reports = vec![v1::Report::default(); REPORTS_MAX + 1];
+    for (said, field) in [
+        (Said::Drain(v1::Drain { returned }), "`drain.returned`"),
+        (Said::Reports(v1::Reports { reports }), "`reports`"),
+    ] {
+        let mut a = service.join("a", 1, 1).await;
+        a.say(said).await;
+        let status = a.hear().await.unwrap_err();
+        assert_eq!(status.code(), Code::InvalidArgument);
+        assert!(status.message().contains(field), "{status}");
+    }
+    let mut a = service.join("a", 1, 1).await;
+    let reason = "x".repeat(WORKER_MESSAGE_SIZE_MAX);
+    let failure = What::Failure(v1::Failure { reason, r#final: true });
+    a.report(v1::Attempt { evaluation: 1, number: 1 }, failure).await;
+    assert!(!matches!(a.hear().await, Ok(Some(_))), "refused before it is decoded");
 }
 
 #[tokio::test]

@@ -3,9 +3,9 @@
 use creatures::random::{Stream, stream};
 use std::time::Duration;
 
-/// Faults that may cost a genotype a worker, at most, between two starts of the coordinator: the third strike
-/// sets a genotype aside, which is right and gives another lineage.
-const STRIKES_MAX: usize = 2;
+/// Ends of workers that tell nobody, at most, between two starts of the coordinator: a genotype with which the third one
+/// ends is set aside, which is right and gives another lineage.
+const ENDS_MAX: usize = 2;
 /// Faults begin before this, milliseconds.
 const TROUBLE_MS: usize = 8_000;
 
@@ -42,22 +42,21 @@ impl Plan {
         let mut draws = stream(seed, [0; 3], "simulation");
         let workers: Vec<usize> = (0..draws.within(2, 4)).map(|_| draws.within(1, 2)).collect();
         let latency_max = millis(&mut draws, 2, 120);
-        let count = draws.within(1, 6);
+        let count = draws.within(1, 8);
         let mut times: Vec<Duration> = (0..count).map(|_| millis(&mut draws, 200, TROUBLE_MS)).collect();
         times.sort_unstable();
-        let mut strikes = 0;
+        let drawn: Vec<Fault> = times.iter().map(|_| Fault::draw(&mut draws, workers.len())).collect();
+        let is_lossy = drawn.iter().any(|fault| matches!(fault, Fault::Cut { .. } | Fault::Stall { .. }));
+        let mut ends = 0;
         let mut faults = Vec::new();
-        for time in times {
-            let fault = Fault::draw(&mut draws, workers.len());
+        for (time, fault) in times.into_iter().zip(drawn) {
             match fault {
-                Fault::KillCoordinator { .. } => strikes = 0,
-                Fault::Drain { .. } => {}
-                Fault::Kill { .. } | Fault::Cut { .. } | Fault::Stall { .. } => {
-                    if strikes == STRIKES_MAX {
-                        continue;
-                    }
-                    strikes += 1;
-                }
+                Fault::KillCoordinator { .. } => ends = 0,
+                // Word that a worker drains may be lost.
+                Fault::Drain { .. } if !is_lossy => {}
+                Fault::Kill { .. } | Fault::Drain { .. } if ends == ENDS_MAX => continue,
+                Fault::Kill { .. } | Fault::Drain { .. } => ends += 1,
+                Fault::Cut { .. } | Fault::Stall { .. } => {}
             }
             faults.push((time, fault));
         }

@@ -155,6 +155,7 @@ async fn coordinator_host(of: Arc<Undisturbed>, shared: Arc<Shared>) -> turmoil:
     let fleet = Fleet::start(FleetSettings {
         heartbeat_ms: HEARTBEAT_MS,
         timeout_ms: TIMEOUT_MS,
+        overdue_s: 900,
         version: env!("CARGO_PKG_VERSION").to_owned(),
         fingerprint: FINGERPRINT,
         lineage: [1; 16],

@@ -144,7 +144,7 @@ async fn a_refused_worker_stops_and_shows_both_sides() {
     let text = stage.end().await.unwrap_err().to_string();
     assert!(text.contains("coordinator 9.9.9"), "{text}");
     assert!(
-        text.contains(&format!("version {}, protocol 1, fingerprint", env!("CARGO_PKG_VERSION"))),
+        text.contains(&format!("version {}, protocol {PROTOCOL}, fingerprint", env!("CARGO_PKG_VERSION"))),
         "{text}"
     );
 }
