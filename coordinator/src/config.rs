@@ -10,7 +10,7 @@ pub struct Config {
     #[arg(long, value_name = "FILE", default_value = "hatchery.db", env = "HATCHERY_DB")]
     pub db: PathBuf,
     /// The address to listen on; port 0 takes a free one
-    #[arg(long, value_name = "ADDR", default_value_t = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 7878), env = "HATCHERY_LISTEN")]
+    #[arg(long, value_name = "ADDR", default_value_t = LISTEN, env = "HATCHERY_LISTEN")]
     pub listen: SocketAddr,
     /// The folder that `hatchery-coordinator init` made: serve over TLS, and let in who has a token of it. Without
     /// it only this machine is listened to
@@ -34,6 +34,8 @@ pub struct Config {
     pub overdue_s: u32,
 }
 
+/// Where it listens, unless told otherwise.
+pub(crate) const LISTEN: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 7878);
 /// A quarter of an hour: thousands of times what any published system takes.
 const OVERDUE_S: u32 = 900;
 

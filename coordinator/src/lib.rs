@@ -7,6 +7,7 @@
 //! lineage/   the one writer and the readers of the database
 //! metrics/   what it does, as Prometheus text
 //! server     puts it all together           config      what it is told when it starts
+//! health     what a probe asks
 //! credentials/  TLS, join tokens, and the door before the services
 //! ```
 
@@ -14,6 +15,7 @@ pub mod config;
 pub mod credentials;
 pub mod driver;
 pub mod fleet;
+pub mod health;
 pub mod lineage;
 mod metrics;
 pub mod scheduler;

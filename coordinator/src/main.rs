@@ -5,6 +5,7 @@ use std::io::IsTerminal;
 use anyhow::Context;
 use clap::Parser;
 use coordinator::credentials::command::{Init, Tokens};
+use coordinator::health::Health;
 use tracing_subscriber::EnvFilter;
 
 /// Holds populations and their lineage, and hands evaluations to the workers that attach.
@@ -27,6 +28,8 @@ enum Command {
     Init(Init),
     /// List, make and revoke join tokens, also while a coordinator runs on them
     Tokens(Tokens),
+    /// Ask the coordinator on this machine how it is
+    Health(Health),
 }
 
 const EXAMPLES: &str = "Examples:
@@ -44,6 +47,7 @@ fn main() -> std::process::ExitCode {
     let done = match arguments.command {
         Some(Command::Init(init)) => init.execute(),
         Some(Command::Tokens(tokens)) => tokens.execute(),
+        Some(Command::Health(health)) => ask(health),
         None => {
             log();
             run(arguments.config)
@@ -67,6 +71,11 @@ fn log() {
     } else {
         logs.json().init();
     }
+}
+
+#[tokio::main(flavor = "current_thread")]
+async fn ask(health: Health) -> anyhow::Result<()> {
+    health.execute().await
 }
 
 #[tokio::main]

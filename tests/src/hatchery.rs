@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
 use rustix::process::Signal;
@@ -123,6 +123,21 @@ impl Hatchery {
     /// The coordinator's process.
     pub fn coordinator(&mut self) -> &mut Process {
         &mut self.coordinator
+    }
+
+    /// Where the coordinator listens.
+    pub fn address(&self) -> String {
+        self.address.to_string()
+    }
+
+    /// Asks the coordinator how it is, as a probe does.
+    pub fn health(&self, arguments: &[&str]) -> Output {
+        let mut command = Command::new(program("hatchery-coordinator"));
+        command.args(["health", "--listen", &self.address()]).args(arguments);
+        if let Some(keeper) = &self.keeper {
+            command.arg("--credentials").arg(keeper.folder());
+        }
+        command.output().expect("the binary was built")
     }
 
     /// SIGKILL to the coordinator; nothing is started in its stead.

@@ -68,6 +68,22 @@ fn whoever_shows_no_token_is_told_what_is_missing() {
 }
 
 #[test]
+fn a_probe_asks_over_tls_without_a_token() {
+    let mut hatchery = Hatchery::with_credentials();
+    let well = hatchery.health(&["--ready"]);
+    assert_eq!(well.status.code(), Some(0), "{}", command::printed(&well));
+    let mut command = Command::new(program("hatchery-coordinator"));
+    let plain =
+        command.args(["health", "--listen", &hatchery.address()]).output().expect("the binary was built");
+    assert_eq!(plain.status.code(), Some(1));
+    assert!(command::printed(&plain).contains("speaks TLS"), "{}", command::printed(&plain));
+    hatchery.kill_coordinator();
+    let dead = hatchery.health(&["--within", "1"]);
+    assert_eq!(dead.status.code(), Some(1));
+    assert!(command::printed(&dead).contains("no coordinator answers"), "{}", command::printed(&dead));
+}
+
+#[test]
 fn a_token_is_good_for_its_kind_alone() {
     let hatchery = Hatchery::with_credentials();
     let (worker, client) = (hatchery.keeper().worker(), hatchery.keeper().client());

@@ -3,10 +3,12 @@
 use std::time::{Duration, Instant};
 
 use hatchery_tests::client::PATIENCE;
+use hatchery_tests::command::printed;
 use hatchery_tests::programs::program;
 use hatchery_tests::samples::{probe, walkers};
 use hatchery_tests::{Hatchery, Process, command, local};
 use rustix::process::Signal;
+use std::path::Path;
 
 #[test]
 fn a_frozen_worker_loses_its_leases_and_the_run_goes_on() {
@@ -64,6 +66,39 @@ fn a_genotype_that_kills_three_workers_is_set_aside_and_the_run_goes_on() {
     let blamed = "SELECT min(n) FROM (SELECT count(*) AS n FROM v_evaluations JOIN v_individuals ON v_individuals.id = \
                   v_evaluations.individual WHERE v_individuals.status = 'failed' GROUP BY v_individuals.id)";
     assert!(hatchery.client().count(blamed) >= 3, "three workers were tried");
+}
+
+/// SQLite's locks are the process's, and go with any descriptor of the file that it closes.
+#[test]
+fn other_programs_may_read_a_lineage_during_a_run_and_a_kill_loses_nothing_by_it() {
+    let text = probe(15, 60, 12, 2000);
+    let mut hatchery = Hatchery::with_workers(2);
+    let id = hatchery.submit(&text);
+    for evaluated in [60, 120, 180] {
+        hatchery.client().wait_until(id, move |experiment| experiment.evaluated >= evaluated);
+        let rows = read_as_others_do(&hatchery.db());
+        assert!(rows >= evaluated as i64, "{rows} rows after {evaluated} evaluations");
+    }
+    let before = hatchery.client().wait_until(id, |experiment| experiment.evaluated >= 300).evaluated;
+    hatchery.kill_coordinator();
+    let kept = read_as_others_do(&hatchery.db());
+    assert!(kept as u64 >= before, "{kept} individuals of {before} that had been evaluated");
+    hatchery.restart_coordinator();
+    hatchery.client().wait(id);
+    assert_eq!(hatchery.client().hash(id), local::lineage(&text));
+}
+
+/// Counts individuals over a connection that could write, and that closes as if it were the last one.
+fn read_as_others_do(db: &Path) -> i64 {
+    use sqlx::{ConnectOptions as _, Connection as _};
+    let options = sqlx::sqlite::SqliteConnectOptions::new().filename(db).busy_timeout(PATIENCE);
+    let counted = async {
+        let mut connection = options.connect().await?;
+        let rows = sqlx::query_scalar("SELECT count(*) FROM individual").fetch_one(&mut connection).await?;
+        connection.close().await?;
+        Ok::<i64, sqlx::Error>(rows)
+    };
+    tokio::runtime::Runtime::new().expect("a runtime").block_on(counted).expect("a lineage answers")
 }
 
 #[test]
@@ -206,6 +241,9 @@ fn a_full_disk_pauses_the_run_with_a_word_and_room_lets_it_go_on() {
     std::fs::write(&ballast, vec![0u8; 64 << 20]).expect_err("the disk is smaller");
     let stuck = hatchery.client().wait_until(id, |e| e.reason.contains("full") || e.state == "finished");
     assert!(stuck.reason.contains("full"), "it says what holds it up: {stuck:#?}");
+    let (alive, ready) = (hatchery.health(&[]), hatchery.health(&["--ready"]));
+    assert_eq!((alive.status.code(), ready.status.code()), (Some(0), Some(1)));
+    assert!(printed(&ready).contains("cannot write its lineage"), "{}", printed(&ready));
     let serves = |service| hatchery.client().serves(service);
     assert!(!serves("hatchery.v1.Fleet") && serves(""), "no use for now, and no reason to be restarted");
     std::fs::remove_file(&ballast).expect("it was written");

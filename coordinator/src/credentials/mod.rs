@@ -20,6 +20,10 @@ pub use keyring::Denied;
 pub(crate) use keyring::{Admission, Keyring};
 
 use folder::Folder;
+use ledger::Ledger;
+use proto::dial::Address;
+use proto::join::{Kind, Pass, SECRET_SIZE, Token, TokenId};
+use std::net::SocketAddr;
 use std::path::Path;
 use std::time::Duration;
 use tonic::transport::{Identity, ServerTlsConfig};
@@ -45,4 +49,14 @@ impl Credentials {
             ServerTlsConfig::new().identity(Identity::from_pem(certificate, key)).timeout(HANDSHAKE_TIMEOUT);
         Ok(Credentials { tls, keyring: Keyring::follow(folder)? })
     }
+}
+
+/// How to reach the coordinator that serves behind a folder's credentials, with nothing to show it.
+///
+/// # Errors
+/// A folder that is not there, or not whole.
+pub(crate) fn address(path: &Path, at: SocketAddr) -> Result<Address, FolderError> {
+    let authority = Ledger::read(&Folder::at(path))?.authority;
+    let pass = Pass { kind: Kind::Client, id: TokenId(0), secret: [0; SECRET_SIZE], authority };
+    Ok(Address::of(&Token { address: at.to_string(), pass }).without_pass())
 }

@@ -1,5 +1,9 @@
 //! The database file: who may write it, what it must be, and how it is opened. It refuses what is no lineage,
 //! or a newer one, without touching it.
+//!
+//! **Whoever closes any descriptor of a file ends all POSIX locks of his process on it.** SQLite's are such locks:
+//! without them the next program that opens the database takes itself for the only one, and deletes the write-ahead log
+//! when it closes. So nothing here opens the file beside SQLite once SQLite has it open, nor may anybody else.
 
 use super::OpenError;
 use super::fault::{Fault, fault};
@@ -8,6 +12,7 @@ use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection, SqliteJournalMode, Sq
 use sqlx::{ConnectOptions as _, Connection as _, Executor as _};
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read as _, Seek as _, Write as _};
+use std::os::unix::fs::{FileExt as _, MetadataExt as _};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -27,11 +32,12 @@ pub(crate) const SCHEMA: i64 = MIGRATIONS.len() as i64;
 /// A tenth of a million individuals' rows, pages of which the writer keeps in memory, KiB.
 const CACHE_KIB: u32 = 64 << 10;
 
-/// The right to write a file, as long as this lives. The operating system takes it back from a process that
-/// dies, so that nobody has to clean up after a kill.
+/// The right to write a file, as long as this lives: as long as SQLite has it open. The operating system takes it back
+/// from a process that dies, so that nobody has to clean up after a kill.
 pub(crate) struct Lock {
     _beside: File,
-    _database: File,
+    path: PathBuf,
+    database: File,
 }
 
 impl Lock {
@@ -69,13 +75,48 @@ impl Lock {
         let itself = itself.map_err(|error| refused(database, &error))?;
         match lock(&itself) {
             // A file system without such locks has the one beside it all the same.
-            Ok(()) | Err(TryLockError::Error(_)) => Ok(Lock { _beside: file, _database: itself }),
+            Ok(()) | Err(TryLockError::Error(_)) => {
+                Ok(Lock { _beside: file, path: database.to_owned(), database: itself })
+            }
             Err(TryLockError::WouldBlock) => {
                 let holder = "a process that knows it by another name".to_owned();
                 Err(OpenError::Held { path: database.to_owned(), holder })
             }
         }
     }
+
+    /// What stands in the file, by its first bytes.
+    pub(crate) fn look(&self) -> Result<Found, OpenError> {
+        let mut header = [0; HEADER_SIZE];
+        let read = self.database.read_at(&mut header, 0).map_err(|error| refused(&self.path, &error))?;
+        recognised(&header[..read], &self.path)
+    }
+
+    /// Which files stand at the path and, as its write-ahead log, beside it.
+    ///
+    /// # Errors
+    /// One is missing, or the path leads to another file than the one that is locked.
+    pub(crate) fn files(&self) -> io::Result<Files> {
+        let at = |path: &Path| {
+            let found = std::fs::metadata(path);
+            found.map_err(|error| io::Error::other(format!("{}: {error}", path.display())))
+        };
+        let (here, held) = (at(&self.path)?, self.database.metadata()?);
+        if (here.dev(), here.ino()) != (held.dev(), held.ino()) {
+            return Err(io::Error::other(format!(
+                "{} has been replaced by another file",
+                self.path.display()
+            )));
+        }
+        let log = at(&beside(&self.path, "-wal"))?;
+        Ok(Files { log: (log.dev(), log.ino()) })
+    }
+}
+
+/// See [`Lock::files`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Files {
+    log: (u64, u64),
 }
 
 /// Locks a file. Who asks whether it is locked has it for a moment: that is waited for.
@@ -111,16 +152,24 @@ pub(crate) enum Found {
     Lineage,
 }
 
-/// Looks at the first bytes of a file, and at nothing else.
+/// SQLite's, bytes.
+const HEADER_SIZE: usize = 100;
+
+/// Looks at the first bytes of a file, and at nothing else. Not once this process has it open.
 pub(crate) fn look(path: &Path) -> Result<Found, OpenError> {
     let mut header = Vec::new();
-    match File::open(path).and_then(|file| file.take(100).read_to_end(&mut header)) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Found::Nothing),
-        Err(error) => return Err(refused(path, &error)),
-        Ok(0) => return Ok(Found::Nothing),
-        Ok(_) => {}
+    match File::open(path).and_then(|file| file.take(HEADER_SIZE as u64).read_to_end(&mut header)) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Found::Nothing),
+        Err(error) => Err(refused(path, &error)),
+        Ok(_) => recognised(&header, path),
     }
-    if header.len() < 100 || !header.starts_with(b"SQLite format 3\0") {
+}
+
+fn recognised(header: &[u8], path: &Path) -> Result<Found, OpenError> {
+    if header.is_empty() {
+        return Ok(Found::Nothing);
+    }
+    if header.len() < HEADER_SIZE || !header.starts_with(b"SQLite format 3\0") {
         return Err(foreign(path, "not an SQLite database"));
     }
     let word =
@@ -179,13 +228,14 @@ pub(crate) fn reading(path: &Path, immutable: bool) -> SqliteConnectOptions {
 }
 
 /// Brings an open file up to date: creates everything in an empty one.
-pub(crate) async fn migrate(connection: &mut SqliteConnection, path: &Path) -> Result<(), OpenError> {
+pub(crate) async fn migrate(connection: &mut SqliteConnection, lock: &Lock) -> Result<(), OpenError> {
+    let path = &lock.path;
     let refused = |error: sqlx::Error| refused_by_sqlite(path, &error);
     let version = schema_version(connection).await.map_err(refused)?;
     check_version(path, version)?;
     if version == SCHEMA {
         // A coordinator that was killed here may have left the marks in the log.
-        if look(path)? == Found::Unmarked {
+        if lock.look()? == Found::Unmarked {
             connection.execute("PRAGMA wal_checkpoint(TRUNCATE)").await.map_err(refused)?;
         }
         return Ok(());

@@ -110,7 +110,7 @@ impl Lineage {
         let refused = |error: sqlx::Error| file::refused_by_sqlite(path, &error);
         let options = file::writing(path);
         let mut connection = options.connect().await.map_err(refused)?;
-        file::migrate(&mut connection, path).await?;
+        file::migrate(&mut connection, &lock).await?;
         let register = Register::load(&mut connection).await.map_err(refused)?;
         sqlx::query(sql::sql!("workers_gone")).execute(&mut connection).await.map_err(refused)?;
         let identity: Vec<u8> =
@@ -119,8 +119,9 @@ impl Lineage {
             path: path.to_owned(),
             problem: "its identity is not 16 bytes long".to_owned(),
         })?;
-        let reader = Reader::open(path).await?;
-        let clients = Reader::open(path).await?;
+        let reader = Reader::connect(path).await?;
+        let clients = Reader::connect(path).await?;
+        let files = lock.files().map_err(|error| refused(error.into()))?;
 
         let (queue, entries) = mpsc::channel(1024);
         let (health, felt) = watch::channel(Health::Good);
@@ -137,6 +138,7 @@ impl Lineage {
             commits: commits.clone(),
             wal: checkpoint::WalKeeper::start(path, options),
             lock,
+            files,
         };
         let writer = Mutex::new(Some(tokio::spawn(writer.run())));
         let room = Arc::new(Semaphore::new(OUTCOMES_MAX));

@@ -42,6 +42,11 @@ impl Reader {
                 return Err(file::foreign(path, found));
             }
         }
+        Reader::connect(path).await
+    }
+
+    /// Opens a file that is a lineage.
+    pub(super) async fn connect(path: &Path) -> Result<Reader, OpenError> {
         let options = reading(path, false);
         let (options, pool) = match connect(&options).await {
             Ok(pool) => (options, pool),

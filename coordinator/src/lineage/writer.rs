@@ -7,12 +7,13 @@ use super::entry::{
     Amendment, Evaluated, Event, InStage, Joined, NewChoice, NewExperiment, NewPick, NewStage, State,
 };
 use super::fault::{Fault, fault, words};
-use super::file::Lock;
+use super::file::{Files, Lock};
 use super::register::Register;
 use super::transaction::{PackedEnd, PackedGeneration, Refusal, Transaction};
 use super::{ExperimentId, Health, IndividualId, WriteError};
 use sqlx::sqlite::SqliteConnection;
 use sqlx::{Connection as _, Executor as _};
+use std::io;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot, watch};
@@ -111,6 +112,8 @@ pub(super) struct Writer {
     pub(super) wal: WalKeeper,
     /// Held until the last commit.
     pub(super) lock: Lock,
+    /// Those that were opened.
+    pub(super) files: Files,
 }
 
 impl Writer {
@@ -204,11 +207,23 @@ impl Writer {
         }
     }
 
+    /// Whether what is written can be found again.
+    fn recognise(&self) -> Result<(), sqlx::Error> {
+        let advice = "stop this coordinator, and start it again on the right file";
+        let replaced = match self.lock.files() {
+            Ok(files) if files == self.files => return Ok(()),
+            Ok(_) => "the write-ahead log has been replaced".to_owned(),
+            Err(error) => error.to_string(),
+        };
+        Err(io::Error::other(format!("{replaced}: {advice}")).into())
+    }
+
     /// One transaction with all of a batch: an answer to each entry, or none of it is written.
     async fn attempt(&mut self, batch: &[Queued]) -> Result<Vec<Result<Vec<u64>, WriteError>>, sqlx::Error> {
         if *self.health.borrow() != Health::Good {
             self.register = Register::load(&mut self.connection).await?; // what was rolled back is unknown again
         }
+        self.recognise()?;
         self.connection.execute("BEGIN IMMEDIATE").await?;
         let mut answers = Vec::with_capacity(batch.len());
         for queued in batch {

@@ -288,6 +288,26 @@ async fn a_lock_of_another_program_stops_the_writer_until_it_is_gone() {
 }
 
 #[tokio::test]
+async fn nothing_is_written_into_files_that_nobody_can_find_any_more() {
+    let house = House::new().await;
+    let mut health = house.lineage.health();
+    let log = file::beside(&house.path(), "-wal");
+    for (name, place) in [("moved", house.path()), ("cut off from its log", log)] {
+        let elsewhere = file::beside(&place, "-elsewhere");
+        std::fs::rename(&place, &elsewhere).unwrap();
+        std::fs::write(&place, b"another file").unwrap();
+        let lineage = house.lineage.clone();
+        let waiting = tokio::spawn(async move { lineage.create(vec![experiment(name)]).await });
+        let stuck = health.wait_for(|health| *health != Health::Good).await.unwrap().clone();
+        let Health::Stuck { reason } = stuck else { panic!("{stuck:?}") };
+        assert!(reason.contains("replaced") && reason.contains("start it again"), "{reason}");
+        std::fs::rename(&elsewhere, &place).unwrap();
+        waiting.await.unwrap().unwrap();
+        assert_eq!(*health.borrow(), Health::Good, "it is back");
+    }
+}
+
+#[tokio::test]
 async fn closing_gives_up_what_the_disk_does_not_take_and_says_so() {
     use sqlx::{ConnectOptions as _, Executor as _};
     let house = House::new().await;
