@@ -100,3 +100,19 @@ async fn a_scrape_says_what_the_lineage_says() {
     coordinator.shutdown().await;
     assert!(TcpStream::connect(address).is_err(), "metrics end with their coordinator");
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn callers_that_ask_nothing_are_hung_up_on_and_keep_nobody_else_out() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let any = "127.0.0.1:0".parse().expect("an address");
+    let config = Config { metrics: Some(any), ..Config::embedded(folder.path().join("lineage.db")) };
+    let coordinator = coordinator::start(config).await.expect("a coordinator starts");
+    let address = coordinator.metrics().expect("metrics were asked for");
+    let mut silent: Vec<TcpStream> =
+        (0..40).map(|_| TcpStream::connect(address).expect("the system takes calls")).collect();
+    let closed =
+        tokio::task::spawn_blocking(move || silent[0].read(&mut [0]).expect("it is closed in peace"));
+    assert_eq!(closed.await.expect("it does not panic"), 0);
+    scrape(address).await;
+    coordinator.shutdown().await;
+}

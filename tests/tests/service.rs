@@ -4,15 +4,20 @@
 #![allow(clippy::unwrap_used, reason = "a test that unwraps says where it failed")]
 
 use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
 
 use creatures::Nobody;
 use creatures::random::stream;
-use hatchery_tests::Hatchery;
+use hatchery_tests::client::PATIENCE;
 use hatchery_tests::samples::{culled, probe, walkers};
+use hatchery_tests::{Hatchery, local};
 use proto::v1;
 use proto::v1::evaluate_reply::What as Reply;
 use proto::v1::evaluate_request::What as Request;
 use proto::v1::evaluation_client::EvaluationClient;
+use proto::v1::experiments_client::ExperimentsClient;
+use sqlx::sqlite::SqliteConnectOptions;
+use sqlx::{ConnectOptions as _, Connection as _, Executor as _};
 use tokio_stream::StreamExt;
 
 #[test]
@@ -118,6 +123,47 @@ fn a_bare_genotype_that_is_illegal_is_refused_by_field_and_the_stream_goes_on() 
     let Some(Reply::Error(error)) = &replies[&1] else { panic!("refused: {:?}", replies[&1]) };
     assert!(error.contains("genotype"), "{error}");
     assert!(matches!(replies[&2], Some(Reply::Outcome(_))), "{:?}", replies[&2]);
+}
+
+/// Another program holds the lineage locked, so that orders wait.
+#[test]
+fn an_order_is_carried_out_though_its_giver_has_gone_and_refused_while_nothing_can_be_written() {
+    let text = probe(17, 10, 2, 10);
+    let hatchery = Hatchery::with_workers(1);
+    let client = hatchery.client();
+    let submit = |patience: Duration| {
+        let request = v1::SubmitRequest { text: text.clone(), ..Default::default() };
+        client.converse(async {
+            let mut experiments = ExperimentsClient::new(client.channel());
+            tokio::time::timeout(patience, experiments.submit(request)).await
+        })
+    };
+    let runtime = tokio::runtime::Runtime::new().expect("a runtime");
+    let held = runtime.block_on(async {
+        let options = SqliteConnectOptions::new().filename(hatchery.db()).busy_timeout(PATIENCE);
+        let mut other = options.connect().await?;
+        other.execute("BEGIN IMMEDIATE").await.map(|_| other)
+    });
+    let other = held.expect("a lineage can be locked");
+    submit(Duration::from_millis(200)).expect_err("it gives up before it is answered");
+    let deadline = Instant::now() + PATIENCE;
+    while client.serves("hatchery.v1.Experiments") {
+        assert!(Instant::now() < deadline, "nobody notices the lock");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let refused = submit(Duration::from_secs(5)).expect("an answer at once").expect_err("a refusal");
+    assert!(
+        refused.message().contains("locked") && refused.message().contains("nothing was done"),
+        "{refused}"
+    );
+    runtime.block_on(other.close()).expect("it lets go");
+    let deadline = Instant::now() + PATIENCE;
+    while client.count("SELECT count(*) FROM v_experiments WHERE state = 'finished'") == 0 {
+        assert!(Instant::now() < deadline, "what was ordered is not done");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert_eq!(client.count("SELECT count(*) FROM v_experiments"), 1, "nothing of what was refused");
+    assert_eq!(client.hash(1), local::lineage(&text));
 }
 
 #[test]

@@ -18,7 +18,7 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 
 use crate::driver::{Changed, Driver, Fork, Submission};
-use crate::lineage::{ExperimentId, IndividualId, Reader, State};
+use crate::lineage::{ExperimentId, Health, IndividualId, Reader, State};
 use crate::service::lineage::status;
 use refusal::submit_status;
 use render::{bring_up_to_date, render_choice};
@@ -72,6 +72,22 @@ impl ExperimentsService {
             .collect())
     }
 
+    /// Carries an order out to its end, whether or not the caller still listens, or refuses it while nothing can be
+    /// written: who has given up waiting would give it again.
+    async fn carry_out<T: Send + 'static>(
+        &self,
+        order: impl Future<Output = Result<T, Status>> + Send + 'static,
+    ) -> Result<T, Status> {
+        if let Health::Stuck { reason } = &*self.driver.lineage().health().borrow() {
+            let text = format!(
+                "the lineage cannot be written: {reason}; nothing was done, try again once it can be"
+            );
+            return Err(Status::unavailable(text));
+        }
+        let broke = |error| Status::internal(format!("the order was not carried out to its end: {error}"));
+        tokio::spawn(order).await.map_err(broke)?
+    }
+
     async fn reply(&self, ids: &[ExperimentId]) -> Result<Response<v1::ListReply>, Status> {
         Ok(Response::new(v1::ListReply { experiments: self.render_all(Some(ids)).await? }))
     }
@@ -84,7 +100,9 @@ impl v1::experiments_server::Experiments for ExperimentsService {
         let resume = request.resume;
         let Changed { text, overrides } = file_of(request)?;
         let submission = Submission { text, overrides, resume };
-        let (ids, resumed) = self.driver.submit(submission).await.map_err(submit_status)?;
+        let driver = self.driver.clone();
+        let order = async move { driver.submit(submission).await.map_err(submit_status) };
+        let (ids, resumed) = self.carry_out(order).await?;
         let experiments = self.render_all(Some(&ids)).await?;
         Ok(Response::new(v1::SubmitReply { experiments, resumed }))
     }
@@ -117,26 +135,38 @@ impl v1::experiments_server::Experiments for ExperimentsService {
 
     async fn pause(&self, request: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
         let ids = self.find(&request.into_inner().experiment).await?;
-        for &id in &ids {
-            self.driver.pause(id).await.map_err(control_status)?;
-        }
-        self.reply(&ids).await
+        let driver = self.driver.clone();
+        let order = async move {
+            for &id in &ids {
+                driver.pause(id).await.map_err(control_status)?;
+            }
+            Ok(ids)
+        };
+        self.reply(&self.carry_out(order).await?).await
     }
 
     async fn resume(&self, request: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
         let ids = self.find(&request.into_inner().experiment).await?;
-        for &id in &ids {
-            self.driver.resume(id).await.map_err(control_status)?;
-        }
-        self.reply(&ids).await
+        let driver = self.driver.clone();
+        let order = async move {
+            for &id in &ids {
+                driver.resume(id).await.map_err(control_status)?;
+            }
+            Ok(ids)
+        };
+        self.reply(&self.carry_out(order).await?).await
     }
 
     async fn cancel(&self, request: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
         let ids = self.find(&request.into_inner().experiment).await?;
-        for &id in &ids {
-            self.driver.cancel(id).await.map_err(control_status)?;
-        }
-        self.reply(&ids).await
+        let driver = self.driver.clone();
+        let order = async move {
+            for &id in &ids {
+                driver.cancel(id).await.map_err(control_status)?;
+            }
+            Ok(ids)
+        };
+        self.reply(&self.carry_out(order).await?).await
     }
 
     async fn candidates(
@@ -149,7 +179,9 @@ impl v1::experiments_server::Experiments for ExperimentsService {
     async fn pick(&self, request: Request<v1::PickRequest>) -> Result<Response<v1::Experiment>, Status> {
         let v1::PickRequest { experiment, individual, note } = request.into_inner();
         let id = self.driver.lineage().clients().find_one(&experiment).await.map_err(status)?;
-        self.driver.pick(id, IndividualId(individual), note).await.map_err(pick_status)?;
+        let driver = self.driver.clone();
+        let order = async move { driver.pick(id, IndividualId(individual), note).await.map_err(pick_status) };
+        self.carry_out(order).await?;
         Ok(Response::new(self.render(id).await?))
     }
 
@@ -157,14 +189,17 @@ impl v1::experiments_server::Experiments for ExperimentsService {
         let v1::AmendRequest { experiment, file } = request.into_inner();
         let id = self.driver.lineage().clients().find_one(&experiment).await.map_err(status)?;
         let file = file_of(file.unwrap_or_default())?;
-        let differences = self.driver.amend(id, &file).await.map_err(amend_status)?;
+        let driver = self.driver.clone();
+        let order = async move { driver.amend(id, &file).await.map_err(amend_status) };
+        let differences = self.carry_out(order).await?;
         let experiment = Some(self.render(id).await?);
         Ok(Response::new(v1::AmendReply { experiment, differences }))
     }
 
     async fn fork(&self, request: Request<v1::ForkRequest>) -> Result<Response<v1::Experiment>, Status> {
         let fork = fork_of(self.driver.lineage().clients(), request.into_inner()).await?;
-        let id = self.driver.fork(fork).await.map_err(fork_status)?;
+        let driver = self.driver.clone();
+        let id = self.carry_out(async move { driver.fork(fork).await.map_err(fork_status) }).await?;
         Ok(Response::new(self.render(id).await?))
     }
 }
