@@ -229,7 +229,7 @@ fn an_esp_creatures_step_allocates_no_more_than_its_engine() {
     }
     assert!(bright > 1.0, "it sees");
     assert_eq!(ours, 0);
-    // Slack, it lies still after a while: four steps of the engine are then as good as one of ours.
+    // Slack, it lies still after a while: steps of the engine are then as good as those of ours that they make.
     let slack = vec![0.0; body.muscles.len()];
     (0..600).for_each(|_| creature.step(&slack).unwrap());
     let count = |run: &mut dyn FnMut()| {
@@ -237,7 +237,9 @@ fn an_esp_creatures_step_allocates_no_more_than_its_engine() {
         run();
         ALLOCATIONS.get() - before
     };
-    let engine = count(&mut || (0..400).for_each(|_| creature.world_mut().step()));
+    let engine =
+        count(&mut || (0..100 * Physics::default().substeps).for_each(|_| creature.world_mut().step()));
     let whole = count(&mut || (0..100).for_each(|_| creature.step(&slack).unwrap()));
-    assert_eq!(whole, engine);
+    // The engine's lists may grow once in a while; what allocates in each step would come to a hundred.
+    assert!(whole.abs_diff(engine) < 10, "{whole} of ours, {engine} of the engine alone");
 }

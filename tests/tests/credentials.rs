@@ -152,6 +152,14 @@ fn a_revoked_worker_is_shown_out_and_a_new_token_lets_the_run_go_on() {
     let id = hatchery.submit(&text);
     hatchery.client().wait_until(id, |experiment| experiment.evaluated >= 5);
     let new = hatchery.keeper().token("worker", &["--label", "rotated"]);
+    let again = hatchery.keeper().tokens(&["new", "worker", "--label", "rotated"]);
+    assert!(
+        command::printed(&again).contains("has the label `rotated` already"),
+        "{}",
+        command::printed(&again)
+    );
+    let shown = hatchery.keeper().tokens(&["new", "worker", "--label", "a\u{1b}[31m"]);
+    assert_eq!((again.status.code(), shown.status.code()), (Some(1), Some(2)), "what a terminal would obey");
     hatchery.keeper().revoke(hatchery.keeper().worker());
     assert_eq!(hatchery.worker("w1").wait(SOON).code(), Some(1));
     assert!(hatchery.worker("w1").log().contains("was revoked"), "it says why it went");

@@ -6,6 +6,7 @@ use super::folder::Folder;
 use super::keyring::now;
 use super::ledger::{Entry, Ledger, UnixMs};
 use anyhow::{Context as _, anyhow, bail};
+use proto::hello::LABEL_SIZE_MAX;
 use proto::join::{Kind, Token};
 use std::net::Ipv6Addr;
 use std::path::{Path, PathBuf};
@@ -66,8 +67,8 @@ struct New {
     /// Whom it lets in
     #[arg(value_parser = kind)]
     kind: Kind,
-    /// What it is for, for people
-    #[arg(long, default_value = "")]
+    /// What it is for, for people, and to revoke it by: no other good token has it
+    #[arg(long, default_value = "", value_parser = label)]
     label: String,
     /// Days until it expires [default: never]
     #[arg(long, value_name = "DAYS", value_parser = clap::value_parser!(u32).range(1..=36_500))]
@@ -156,10 +157,22 @@ impl Tokens {
     }
 }
 
+/// A label that a terminal can show.
+fn label(typed: &str) -> Result<String, String> {
+    if typed.len() > LABEL_SIZE_MAX || typed.chars().any(char::is_control) {
+        return Err(format!("a label has at most {LABEL_SIZE_MAX} bytes and no control characters"));
+    }
+    Ok(typed.to_owned())
+}
+
 impl New {
     fn make(self, folder: &Folder) -> anyhow::Result<Token> {
         let expires_ms = self.days.map(|days| now() + UnixMs::from(days) * DAY_MS);
         Ledger::edit(folder, |ledger| {
+            let mut good = ledger.entries.iter().filter(|entry| entry.revoked_ms.is_none());
+            if let Some(other) = good.find(|entry| !self.label.is_empty() && entry.label == self.label) {
+                bail!("token {} has the label `{}` already: choose another one", other.id, self.label);
+            }
             let pass = ledger.add(self.kind, self.label, now(), expires_ms).context("no random numbers")?;
             let token = Token { address: self.address.unwrap_or_else(|| ledger.address.clone()), pass };
             // Read back, so that nobody is handed what no machine takes.
@@ -173,10 +186,11 @@ impl Revoke {
     fn take_back(&self, ledger: &mut Ledger) -> anyhow::Result<Vec<String>> {
         let mut revoked = Vec::new();
         for name in &self.tokens {
-            let is_meant = |entry: &&mut Entry| entry.id.to_string() == *name || entry.label == *name;
+            let is_labelled = |entry: &Entry| entry.label == *name && entry.revoked_ms.is_none();
+            let is_meant = |entry: &&mut Entry| entry.id.to_string() == *name || is_labelled(entry);
             let meant: Vec<_> = ledger.entries.iter_mut().filter(is_meant).collect();
             match meant.as_slice() {
-                [] => return Err(anyhow!("there is no token `{name}`: `tokens list` has them all")),
+                [] => return Err(anyhow!("there is no good token `{name}`: `tokens list` has them all")),
                 [_] => {}
                 _ => bail!("{} tokens have the label `{name}`: name one by its id", meant.len()),
             }
@@ -244,12 +258,15 @@ mod tests {
         let mut ledger = ledger();
         let id = ledger.entries[2].id.to_string();
         let revoke = |tokens: &[&str]| Revoke { tokens: tokens.iter().map(|&t| t.to_owned()).collect() };
+        let ambiguous = revoke(&["b"]).take_back(&mut ledger.clone()).unwrap_err().to_string();
+        assert_eq!(ambiguous, "2 tokens have the label `b`: name one by its id");
         assert_eq!(revoke(&["a", &id]).take_back(&mut ledger).unwrap().len(), 2);
         let revoked: Vec<_> = ledger.entries.iter().map(|entry| entry.revoked_ms.is_some()).collect();
         assert_eq!(revoked, [true, false, true]);
         let error = |name| revoke(&[name]).take_back(&mut ledger.clone()).unwrap_err().to_string();
-        assert_eq!(error("b"), "2 tokens have the label `b`: name one by its id");
-        assert!(error("c").contains("no token `c`"));
+        assert_eq!(revoke(&["b"]).take_back(&mut ledger.clone()).unwrap().len(), 1, "the other one is good");
+        assert!(error("a").contains("no good token `a`"), "it was revoked");
+        assert!(error("c").contains("no good token `c`"));
     }
 
     #[test]

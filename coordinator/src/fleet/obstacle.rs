@@ -35,7 +35,8 @@ pub(super) fn words(summary: &Summary, refused: Option<&Refused>) -> String {
         ),
         (1.., _, _) => String::new(),
         (0, 0, None) => {
-            "no worker is attached: start one with `hatchery-worker --coordinator URL`".to_owned()
+            "no worker is attached: start one with `hatchery-worker` (--coordinator URL, or --join-file FILE behind TLS)"
+                .to_owned()
         }
         (0, 0, Some(refused)) => format!("no worker is attached: {}", refused.words()),
         (0, 1, _) => "the one worker is draining or quarantined, and takes nothing new".to_owned(),

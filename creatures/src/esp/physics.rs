@@ -38,9 +38,9 @@ pub struct Physics {
 impl Default for Physics {
     fn default() -> Self {
         Physics {
-            substeps: 4,
-            rounds: 2,
-            sweeps: 6,
+            substeps: 8,
+            rounds: 1,
+            sweeps: 4,
             gravity: 9.81,
             friction: 0.8,
             restitution: 0.1,

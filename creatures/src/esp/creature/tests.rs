@@ -197,7 +197,7 @@ fn a_roll_from_the_spawn_does_not_score() {
     let physics = Physics { rolling_resistance: 0.0, ..Physics::default() };
     let roll_in = |start, speed: f64| {
         let mut creature = Creature::place(&body, physics, start);
-        creature.world.push(0, DVec3::Y * speed * creature.mass * 240.0, DVec3::ZERO);
+        creature.world.push(0, DVec3::Y * speed * creature.mass / physics.settings().step, DVec3::ZERO);
         creature.settle(start).map(|()| creature)
     };
     let roll = |speed| roll_in(Start::Rest, speed);
@@ -260,7 +260,7 @@ fn faults_are_seen_and_named() {
         creature.world = World::new(Physics::default().settings());
         let pose = Pose { position: DVec3::Z * (0.1 + shift), rotation: DQuat::IDENTITY };
         creature.world.insert(contact::Shape::Cuboid(DVec3::splat(0.1)), &pose);
-        let force = speed * creature.mass * 240.0;
+        let force = speed * creature.mass / Physics::default().settings().step;
         creature.world.push(0, DVec3::X * force, DVec3::ZERO);
         creature.world.step();
         creature.balance = Balance::open(creature.world.energy() - energy);

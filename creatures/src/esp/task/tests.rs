@@ -33,7 +33,7 @@ fn a_task_is_resolved_with_every_default_filled_in() {
     assert_eq!((&resolved["skill"][0]["fitness"], &resolved["tests"][0]["fitness"]), (&fitness, &fitness));
     assert_eq!(
         (&resolved["physics"]["substeps"], &resolved["skill"][0]["body"]),
-        (&json!(4), &json!("locked"))
+        (&json!(8), &json!("locked"))
     );
     assert_eq!(Esp.resolve(resolved.clone()).unwrap(), resolved);
     Esp.task(&resolved.to_string()).unwrap();
