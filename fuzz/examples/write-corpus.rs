@@ -72,6 +72,21 @@ fn messages() {
     ];
     let said = worker_message::Kind::Reports(v1::Reports { reports });
     write("worker_message", "reports", &v1::WorkerMessage { kind: Some(said) }.encode_to_vec());
+    let hello = v1::Hello {
+        protocol: proto::PROTOCOL,
+        name: "w1".to_owned(),
+        host: "rack-2".to_owned(),
+        slots: 2,
+        version: "1.2.3".to_owned(),
+        fingerprint: vec![9; 32].into(),
+        window: 8,
+        lineage: vec![7; 16].into(),
+        holding: vec![v1::Attempt { evaluation: 3, number: 1 }],
+        labels: [("rack".to_owned(), "2".to_owned())].into(),
+        incarnation: 5,
+    };
+    let said = worker_message::Kind::Hello(hello);
+    write("worker_message", "hello", &v1::WorkerMessage { kind: Some(said) }.encode_to_vec());
     let task = v1::Task::named("probe", 1, "{}");
     let assignment = v1::Assignment {
         attempt,

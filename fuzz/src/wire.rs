@@ -1,17 +1,33 @@
 //! Messages off the wire, as far as the two ends of a stream read them.
 
+use coordinator::service::words;
 use creatures::{Cull, Interim, Outcome, Verdict};
 use prost::Message as _;
+use proto::hello::{HOLDING_MAX, SLOTS_MAX};
 use proto::v1::coordinator_message::Kind as Told;
 use proto::v1::report::What;
 use proto::v1::worker_message::Kind as Said;
 use proto::{TaskHash, v1};
 
-/// What a worker says: an outcome that is let in comes out of another encoding to the same bits.
+/// What a worker says: a hello that is let in is within its bounds, and an outcome that is comes out of another
+/// encoding to the same bits.
 pub fn worker_message(bytes: &[u8]) {
     let Ok(message) = v1::WorkerMessage::decode(bytes) else { return };
-    let Some(Said::Reports(reports)) = message.kind else { return };
-    for report in reports.reports {
+    let reports = match message.kind {
+        Some(Said::Hello(hello)) => {
+            if let Ok(hello) = words::introduce(hello, &[7; 16]) {
+                assert!((1..=SLOTS_MAX).contains(&hello.slots) && !hello.name.is_empty(), "{hello:?}");
+                assert!(hello.holding.len() <= HOLDING_MAX && hello.incarnation != 0, "{hello:?}");
+            }
+            return;
+        }
+        Some(Said::Reports(reports)) => reports.reports,
+        _ => return,
+    };
+    for report in reports {
+        if let Ok(read) = words::report(report.clone()) {
+            assert!(read.seconds >= 0.0 && read.seconds.is_finite(), "{read:?}");
+        }
         match report.what {
             Some(What::Interim(interim)) => {
                 // Any measure will do, NaN included: each has a verdict.

@@ -3,12 +3,8 @@
 
 use crate::credentials::Admission;
 use crate::fleet::{Fleet, Mouth, WorkerInfo};
-use crate::scheduler::{AttemptId, Hello, News, Report};
-use creatures::{Interim, Outcome};
-use proto::convert::NOTE_SIZE_MAX;
-use proto::hello::{
-    HOLDING_MAX, LABEL_SIZE_MAX, LABELS_MAX, NAME_SIZE_MAX, SLOTS_MAX, VERSION_SIZE_MAX, WINDOW_MAX, is_label,
-};
+use crate::service::words::{attempt, introduce, report, within};
+use proto::hello::{HOLDING_MAX, VERSION_SIZE_MAX, WINDOW_MAX};
 use proto::refusal::Refusal;
 use proto::v1::fleet_server::FleetServer;
 use proto::v1::worker_message::Kind;
@@ -57,7 +53,10 @@ impl v1::fleet_server::Fleet for FleetService {
             return Err(Refusal::Hello("it must come first".to_owned()).into());
         };
         let (name, host) = (hello.name.clone(), hello.host.clone());
-        let admitted = match self.vet(&hello).and_then(|print| Ok((self.introduce(hello)?, print))) {
+        let admitted = match self
+            .vet(&hello)
+            .and_then(|print| Ok((introduce(hello, &self.fleet.settings().lineage)?, print)))
+        {
             Ok((hello, fingerprint)) => self
                 .fleet
                 .attach(hello, fingerprint)
@@ -106,53 +105,6 @@ impl FleetService {
             return Err(Refusal::Fingerprint { worker, coordinator });
         }
         Ok(fingerprint)
-    }
-
-    fn introduce(&self, hello: v1::Hello) -> Result<Hello, Refusal> {
-        let within = |field: &str, size: usize, limit: usize| {
-            let text = || format!("`{field}` has {size} bytes, the limit is {limit}");
-            if size <= limit { Ok(()) } else { Err(Refusal::Hello(text())) }
-        };
-        let between = |field: &str, found: u32, limit: u32| {
-            let text = || format!("`{field}` is {found}, must be 1 to {limit}");
-            if (1..=limit).contains(&found) { Ok(()) } else { Err(Refusal::Hello(text())) }
-        };
-        within("name", hello.name.len(), NAME_SIZE_MAX)?;
-        within("host", hello.host.len(), NAME_SIZE_MAX)?;
-        if hello.name.is_empty() || hello.name.chars().chain(hello.host.chars()).any(char::is_control) {
-            let text = "`name` must not be empty, and neither it nor `host` have control characters";
-            return Err(Refusal::Hello(text.to_owned()));
-        }
-        if hello.labels.len() > LABELS_MAX || !hello.labels.iter().all(|(key, value)| is_label(key, value)) {
-            return Err(Refusal::Hello(format!(
-                "`labels` has more than {LABELS_MAX}, or one that is empty, over {LABEL_SIZE_MAX} bytes or has control \
-                 characters"
-            )));
-        }
-        if hello.incarnation == 0 {
-            return Err(Refusal::Hello("`incarnation` is 0 or missing".to_owned()));
-        }
-        between("slots", hello.slots, SLOTS_MAX)?;
-        between("window", hello.window, WINDOW_MAX)?;
-        if hello.holding.len() > HOLDING_MAX {
-            let found = hello.holding.len();
-            return Err(Refusal::Hello(format!(
-                "`holding` has {found} attempts, the limit is {HOLDING_MAX}"
-            )));
-        }
-        // What is held for another lineage is void: the welcome says which one this is.
-        let is_ours = hello.lineage[..] == self.fleet.settings().lineage;
-        let holding = if is_ours { hello.holding } else { Vec::new() };
-        Ok(Hello {
-            name: hello.name,
-            host: hello.host,
-            incarnation: hello.incarnation,
-            version: hello.version,
-            slots: hello.slots,
-            window: hello.window,
-            holding: holding.into_iter().map(attempt).collect(),
-            labels: hello.labels,
-        })
     }
 
     fn render(&self, worker: WorkerInfo) -> v1::WorkerInfo {
@@ -238,41 +190,9 @@ async fn pass_on(message: v1::WorkerMessage, mouth: &Mouth) -> Result<(), Status
     Ok(())
 }
 
-fn within(field: &str, found: usize, limit: usize) -> Result<(), Status> {
-    let text = || format!("`{field}` has {found} entries, the limit is {limit}");
-    if found <= limit { Ok(()) } else { Err(Status::invalid_argument(text())) }
-}
-
 /// A stranger's word about itself, short and without control characters.
 fn printable(word: &str) -> String {
     word.chars().take(64).collect::<String>().escape_debug().to_string()
-}
-
-fn attempt(v1::Attempt { evaluation, number }: v1::Attempt) -> AttemptId {
-    AttemptId { evaluation, number }
-}
-
-/// Reads a report. An outcome that means nothing ends its attempt all the same; what names no attempt, or
-/// says nothing of it, is the worker's fault as a whole.
-fn report(report: v1::Report) -> Result<Report, Status> {
-    use v1::report::What;
-    let missing = |field| Status::invalid_argument(format!("`reports.{field}` is missing"));
-    let attempt = attempt(report.attempt.ok_or_else(|| missing("attempt"))?);
-    let news = match report.what.ok_or_else(|| missing("what"))? {
-        What::Interim(interim) => {
-            News::Interim(Interim::try_from(interim).map_err(|error| error.within("reports.interim"))?)
-        }
-        What::Outcome(outcome) => match Outcome::try_from(outcome) {
-            Ok(outcome) => News::Outcome(outcome),
-            Err(error) => News::Failure { reason: format!("outcome: {error}"), lasting: false },
-        },
-        What::Failure(v1::Failure { mut reason, r#final }) => {
-            reason.truncate(reason.floor_char_boundary(NOTE_SIZE_MAX));
-            News::Failure { reason, lasting: r#final }
-        }
-    };
-    let seconds = if report.seconds.is_finite() { report.seconds.max(0.0) } else { 0.0 };
-    Ok(Report { attempt, seconds, news })
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {

@@ -4,6 +4,7 @@ pub mod evaluation;
 pub mod experiments;
 pub mod fleet;
 pub mod lineage;
+pub mod words;
 
 pub use evaluation::evaluation;
 pub use fleet::fleet;
