@@ -18,7 +18,7 @@ const ARROWS: [(&str, &[&str]); 9] = [
     ("cli", &["creatures", "search", "proto", "coordinator", "worker"]),
     ("tests", &["creatures", "search", "proto", "coordinator", "worker"]),
     ("benches", &["creatures", "search", "proto", "coordinator", "worker", "tests"]),
-    ("fuzz", &["creatures", "search", "proto"]),
+    ("fuzz", &["creatures", "search", "proto", "coordinator"]),
 ];
 
 /// What a pure crate may depend on: values in, values out. Whoever adds one has made sure that it has no
