@@ -17,7 +17,7 @@ use tokio_stream::Stream;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 
-use crate::driver::{Changed, Driver, Fork, Submission};
+use crate::driver::{Changed, ControlError, Driver, Fork, Submission};
 use crate::lineage::{ExperimentId, Health, IndividualId, Reader, State};
 use crate::service::lineage::status;
 use refusal::submit_status;
@@ -88,6 +88,26 @@ impl ExperimentsService {
         tokio::spawn(order).await.map_err(broke)?
     }
 
+    /// Gives one order to every experiment that is named.
+    async fn control<Given>(
+        &self,
+        request: Request<v1::ControlRequest>,
+        order: impl Fn(Driver, ExperimentId) -> Given + Send + 'static,
+    ) -> Result<Response<v1::ListReply>, Status>
+    where
+        Given: Future<Output = Result<(), ControlError>> + Send,
+    {
+        let ids = self.find(&request.into_inner().experiment).await?;
+        let driver = self.driver.clone();
+        let given = async move {
+            for &id in &ids {
+                order(driver.clone(), id).await.map_err(control_status)?;
+            }
+            Ok(ids)
+        };
+        self.reply(&self.carry_out(given).await?).await
+    }
+
     async fn reply(&self, ids: &[ExperimentId]) -> Result<Response<v1::ListReply>, Status> {
         Ok(Response::new(v1::ListReply { experiments: self.render_all(Some(ids)).await? }))
     }
@@ -134,39 +154,15 @@ impl v1::experiments_server::Experiments for ExperimentsService {
     }
 
     async fn pause(&self, request: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
-        let ids = self.find(&request.into_inner().experiment).await?;
-        let driver = self.driver.clone();
-        let order = async move {
-            for &id in &ids {
-                driver.pause(id).await.map_err(control_status)?;
-            }
-            Ok(ids)
-        };
-        self.reply(&self.carry_out(order).await?).await
+        self.control(request, |driver, id| async move { driver.pause(id).await }).await
     }
 
     async fn resume(&self, request: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
-        let ids = self.find(&request.into_inner().experiment).await?;
-        let driver = self.driver.clone();
-        let order = async move {
-            for &id in &ids {
-                driver.resume(id).await.map_err(control_status)?;
-            }
-            Ok(ids)
-        };
-        self.reply(&self.carry_out(order).await?).await
+        self.control(request, |driver, id| async move { driver.resume(id).await }).await
     }
 
     async fn cancel(&self, request: Request<v1::ControlRequest>) -> Result<Response<v1::ListReply>, Status> {
-        let ids = self.find(&request.into_inner().experiment).await?;
-        let driver = self.driver.clone();
-        let order = async move {
-            for &id in &ids {
-                driver.cancel(id).await.map_err(control_status)?;
-            }
-            Ok(ids)
-        };
-        self.reply(&self.carry_out(order).await?).await
+        self.control(request, |driver, id| async move { driver.cancel(id).await }).await
     }
 
     async fn candidates(
